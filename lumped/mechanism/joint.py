@@ -79,7 +79,9 @@ class BallScrew:
         lengths = [length] if self.span is None else [length, self.span - length]
         shortest = float(min(part.min() for part in lengths))
         if shortest < 0.0:
-            raise ComputationError(f"the nut is {-1e3 * shortest:.4g} mm beyond its bearing")
+            raise ComputationError(
+                f"the nut is {-1e3 * shortest:.4g} mm beyond its bearing; must be on the shaft"
+            )
         shaft = np.sum([1.0 / (part / self.axial + self.bearing) for part in lengths], axis=0)
         return np.asarray(1.0 / (1.0 / shaft + self.nut))
 

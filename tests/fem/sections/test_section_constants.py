@@ -201,6 +201,7 @@ def test_constants_equal_sectionproperties():
 
 
 def test_split_or_mirrored_mesh_is_refused():
+    """Two squares 1 m apart, and a mesh whose elements are inside out."""
     mesh = section_mesh(Rectangle(0.1, 0.1), 2)
     nodes = np.vstack([mesh.nodes, mesh.nodes + np.array([1.0, 0.0])])
     cells = np.vstack([mesh.cells, mesh.cells + len(mesh.nodes)])

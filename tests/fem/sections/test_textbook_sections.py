@@ -62,6 +62,7 @@ TRAPEZOID = Polygon(((-0.5, -1.0), (0.5, -1.0), (0.5, 2.0), (-0.5, 1.0)))
     ids=["B.2", "B.3"],
 )
 def test_moments_of_area_equal_pilkey(section, area, moments):
+    """Examples B.2 and B.3: area, second moments and product of inertia about the centroid."""
     assert section.area == pytest.approx(area, rel=1e-12)
     assert about_centroid(section) == pytest.approx(moments, abs=PRINTED)
 
@@ -87,6 +88,7 @@ CHANNELS = {
 
 @pytest.mark.parametrize("example", CHANNELS)
 def test_channel_mesh_equals_pilkey(example):
+    """Channels of the book: shear centre, 1/κ, torsion and warping constants by finite elements."""
     section, nu, centre, flexibilities, torsion, warping = CHANNELS[example]
     computed, offset = on_mesh(section, nu)
     assert offset == pytest.approx((centre, 0.0), abs=2e-4 * section.height)

@@ -60,6 +60,7 @@ UNKNOWN = (
 
 @pytest.mark.parametrize("name", UNKNOWN)
 def test_unknown_quantity_name_gives_none(name):
+    """Misspelt names, and names that stand for no measured value."""
     assert measured_quantity(name, RESPONSES) is None
 
 
@@ -74,6 +75,7 @@ def test_measured_component_is_no_vector():
 
 
 def test_quantities_have_si_units():
+    """Compliances in m/N and rad/(N m), loads in m, frequencies in Hz, measured values in m."""
     units = {quantity.name: quantity.unit for quantity in JUDGED}
     assert units["x"] == units["any_force"] == units["response:mill"] == "m/N"
     assert units["phi_z"] == "rad/(N m)"
@@ -85,6 +87,7 @@ def test_quantities_have_si_units():
 
 
 def test_compliance_unit_is_metre_per_newton():
+    """Entries c11 to c66 of a leg: m/N, 1/N or rad/(N m), by row and column."""
     displacements, loads = (
         ("m", "m", "m", "rad", "rad", "rad"),
         ("N", "N", "N", "N m", "N m", "N m"),

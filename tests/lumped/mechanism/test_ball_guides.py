@@ -162,6 +162,7 @@ def test_guide_of_size_has_table_stiffness():
 
 
 def test_guide_of_size_may_have_dashpots():
+    """A guide given by its size in a catalogue, and a dashpot along its normal."""
     text = f"{CLASSES}guide = {{ size = 'HG25C', preload = 'ZA' }}\ndamping = {{ normal = 3.0e3 }}"
     (joint,) = described(text).joints
     assert joint.damping[2, 2] == pytest.approx(3.0e3)

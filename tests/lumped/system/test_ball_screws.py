@@ -227,6 +227,7 @@ SIZE_FAULTS = {
 
 @pytest.mark.parametrize("screw", SIZE_FAULTS, ids=["diameter", "load", "rigidity", "shaft"])
 def test_invalid_size_of_screw_is_refused(screw):
+    """Keys that contradict the size of a nut in a catalogue: one line with the key to leave out."""
     with pytest.raises(InputError) as error:
         sized_mechanism(screw)
     assert error.value.faults == (SIZE_FAULTS[screw],)
@@ -234,12 +235,15 @@ def test_invalid_size_of_screw_is_refused(screw):
 
 def test_nut_beyond_screw_bearing_is_refused():
     """In a pose, and as pose 1 of the path when the file is read."""
-    with pytest.raises(ComputationError, match="the nut is 50 mm beyond its bearing"):
+    with pytest.raises(
+        ComputationError, match="the nut is 50 mm beyond its bearing; must be on the shaft"
+    ):
         assemble(posture(slide_mechanism(), np.array([0.05])), {})
     with pytest.raises(InputError) as error:
         slide_mechanism("", SLIDE.replace("from = [0.3]", "from = [0.05]"))
     assert error.value.faults == (
-        "path, pose 1, x = 0.05 m: joints.axis.drive.screw: the nut is 50 mm beyond its bearing",
+        "path, pose 1, x = 0.05 m: joints.axis.drive.screw: the nut is 50 mm beyond its bearing; "
+        "must be on the shaft",
     )
 
 

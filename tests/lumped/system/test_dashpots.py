@@ -225,6 +225,7 @@ def test_invalid_joint_damping_is_refused(line):
 
 
 def test_dashpot_of_rigid_drive_is_refused():
+    """A rigid drive does not move, so that its dashpot would have no effect."""
     text = CARRIAGE.replace("2.0e6DRIVE", '"rigid", damping = 5.0').replace("SLIDE", "")
     with pytest.raises(InputError) as error:
         described(text + "[damping]\nratio = 0.1\n")

@@ -270,6 +270,7 @@ def test_remedy_is_valid_input_of_solve(remedy):
 
 @pytest.mark.parametrize("remedy_text", [FINER_PARTS, finer_by(FINER)])
 def test_finer_reference_remedy_is_option_of_run(remedy_text):
+    """The option that the remedy names is one of `flexproof run`."""
     assert len(options_taken(remedy_text, "run", "ifw")) == 1
 
 

@@ -102,6 +102,7 @@ def test_exported_matrices_equal_beam(tmp_path):
     ],
 )
 def test_wrong_identify_argument_is_named(arguments, fault):
+    """Missing material, too few unknowns and others: the error begins with the argument."""
     with pytest.raises(InputError, match=fault):
         api.identify(**arguments)
 

@@ -165,6 +165,7 @@ def test_table_has_explained_difference_in_percent(crossed):
 
 
 def test_pandas_is_optional(crossed, monkeypatch):
+    """Without pandas `to_pandas` is refused with the command that installs it."""
     monkeypatch.setattr("validation.tables.find_spec", lambda _: None)
     with pytest.raises(InputError, match="needs pandas, not installed"):
         crossed.table().to_pandas()

@@ -126,6 +126,7 @@ def test_external_links_are_well_formed(site):
 
 @pytest.mark.exhaustive
 def test_gallery_has_pictures_of_examples(site):
+    """Each example has a thumbnail on the index page and a picture on its own page."""
     folder, pages = site
     scripts = {path.stem for path in (ROOT / "examples/gallery").glob("plot_*.py")}
     thumbnails = pages[folder / "gallery" / "index.html"].loaded
@@ -216,6 +217,7 @@ def test_foreign_output_folder_is_refused(command, tmp_path):
 
 
 def test_earlier_site_is_replaced(tmp_path, monkeypatch):
+    """A folder with the mark of an earlier site is passed to Sphinx again."""
     (tmp_path / MARK).write_text("", "utf-8")
     calls = []
     monkeypatch.setattr("sphinx.cmd.build.build_main", lambda options: calls.append(options) or 0)

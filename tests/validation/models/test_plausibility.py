@@ -150,6 +150,7 @@ def test_gravity_in_mm_has_warning(gravity):
 
 @pytest.mark.parametrize("gravity", [[0, 0, -9.81], [0, 6.94, -6.94], [0, 0, -1.62]])
 def test_earth_and_moon_gravity_has_no_warning(gravity):
+    """9.81 and 1.62 m/s², in any direction."""
     load = f'[[loads]]\nname = "weight"\ngravity = {gravity}\n'
     assert robot_findings(described(PENDULUM + load)) == ()
 

@@ -78,6 +78,7 @@ def test_resumed_run_equals_uninterrupted_run(undisturbed, tmp_path):
 
 @pytest.mark.exhaustive
 def test_nohup_run_ignores_hangup(undisturbed, tmp_path):
+    """A run under nohup finishes after SIGHUP, with the numbers of an undisturbed run."""
     path = tmp_path / "run"
     run = toys.started(["nohup", *toys.command("real", *ASKED, path)])
     toys.wait_for(lambda: toys.lines(path))

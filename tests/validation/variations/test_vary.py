@@ -106,6 +106,7 @@ def test_refused_variation_writes_nothing(tmp_path, command):
     ("model", "vary"), [("vjm", "tool.mass=1:2:2"), ("beam", "path.count=3:9:2")]
 )
 def test_variation_without_effect_has_message(model, vary, capsys):
+    """Mass in a static model, and poses of a path: results are printed, with a line on stderr."""
     assert main(["solve", "five-bar", "--vary", vary, "--model", model]) == 0
     key = vary.partition("=")[0]
     message = (

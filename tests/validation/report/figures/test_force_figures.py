@@ -40,6 +40,7 @@ def test_each_load_has_a_figure(robot):
 
 
 def test_figure_table_has_drive_torques(robot):
+    """Torques in the CSV data of the figure are those of `fp.forces` in each pose."""
     cutting, _ = figures(robot.mechanism)
     figure = cutting.draw(Context(robot, "quick"))
     analysis = fp.forces(robot, path=True, loads=["cutting"])

@@ -176,6 +176,7 @@ def test_box_is_drawn_at_its_projection():
 
 @pytest.mark.usefixtures("needs_opengl")
 def test_point_names_are_beside_points():
+    """Names of two points at one place are drawn side by side."""
     cuboid = prism(rectangle(1.0, 0.1), np.array([-1.0, 1.0]))
     wire = Wire(np.array([[-1.0, 0.0, 0.2], [1.0, 0.0, 0.2]]), np.array([[0, 1]]), "#D55E00", 2.5)
     names = [Label(name, np.zeros(3), "#0000ff") for name in ("one", "two")]

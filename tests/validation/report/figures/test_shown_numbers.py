@@ -158,4 +158,5 @@ def test_measured_path_has_full_intervals():
     ("name", "unit", "label"), [("x", "m", "x (m)"), ("phi_z", "rad", "rotation about z (rad)")]
 )
 def test_coordinate_axis_has_unit(name, unit, label):
+    """Labels of an axis: "x (m)" and "rotation about z (rad)"."""
     assert Coordinate(name, unit).axis == label
