@@ -203,7 +203,7 @@ def held_contraction(quad: SectionQuadrature, nu: float, shear_to_young: float) 
     stresses = np.einsum("st,ctmq->csmq", moduli, missed)
     energy = np.einsum("asmq,bsmq,mq->ab", missed, stresses, quad.weights, optimize=True)
     residual = np.column_stack([_forces(quad, stress) for stress in stresses])
-    relaxed = _stiffness_solution(quad, moduli, residual)
+    relaxed = in_plane_displacements(quad, moduli, residual)
     contraction = energy - residual.T @ relaxed
     return np.asarray(0.5 * (contraction + contraction.T))
 
@@ -221,7 +221,7 @@ def _forces(quad: SectionQuadrature, stress: Array) -> Array:
     return np.column_stack(along).ravel()
 
 
-def _stiffness_solution(quad: SectionQuadrature, moduli: Array, forces: Array) -> Array:
+def in_plane_displacements(quad: SectionQuadrature, moduli: Array, forces: Array) -> Array:
     """In-plane displacements (2N×m) under nodal `forces` (2N×m) in equilibrium.
 
     `moduli` (3×3) relates the stresses (yy, zz, yz) to the strains.

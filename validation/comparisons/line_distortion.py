@@ -10,6 +10,7 @@ change for the leg is the mean over its positions, weighted by kinetic energy. T
 sufficient if the change is a quadratic function of the position.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,6 +19,7 @@ from numpy.polynomial import legendre
 
 from fem.beams.beam_theory import CantileverFrequency, Kind, frequency_of_kind
 from fem.beams.box_distortion import distortion_work
+from fem.sections.wall_frame import formula_frame_stiffness
 from lumped.arrays import Array
 from lumped.legs import ConstantLeg, LineLeg
 from lumped.mechanism.body_model import LegMatrices
@@ -53,13 +55,19 @@ class _Mode:
     energies: Array
 
 
-def frequency_change(leg: LineLeg, beam: LegMatrices, index: int) -> float:
+def frequency_change(
+    leg: LineLeg,
+    beam: LegMatrices,
+    index: int,
+    frame_stiffness: Callable[[ConstantLeg], float] = formula_frame_stiffness,
+) -> float:
     """Relative change of frequency `index` (from 0) of the clamped `beam` due to distortion.
 
     Only boxes, tubes and I-sections along a straight line are computed. The result is zero for a
     curved leg and for any other section: solid sections hardly distort, and the waves of sections
     with walls are computed only if they have two axes of symmetry. Raises Skip if the mode lies
     above the frequencies at which beam theory applies to the section.
+    `frame_stiffness` is a function that returns the stiffness (N) of a box against distortion.
     """
     walled = all(isinstance(section, _WALLED) for _, section in leg.stations)
     if not (leg.line.is_straight and walled):
@@ -71,7 +79,7 @@ def frequency_change(leg: LineLeg, beam: LegMatrices, index: int) -> float:
     deviation = float(np.sqrt(shares @ (mode.positions - mean) ** 2))
     low, high = max(0.0, mean - deviation), min(leg.length, mean + deviation)
     changes = [_prism_change(leg, position, mode.kind) for position in (low, high)]
-    return float(np.mean(changes)) + _torsional_change(leg, mode)
+    return float(np.mean(changes)) + _torsional_change(leg, mode, frame_stiffness)
 
 
 def _mode(leg: LineLeg, beam: LegMatrices, index: int) -> _Mode:
@@ -110,7 +118,9 @@ def _prism_change(leg: LineLeg, position: float, mode: CantileverFrequency) -> f
     return float(distortion(prism, (WAVE_DIVISIONS,), mode)[0])
 
 
-def _torsional_change(leg: LineLeg, mode: _Mode) -> float:
+def _torsional_change(
+    leg: LineLeg, mode: _Mode, frame_stiffness: Callable[[ConstantLeg], float]
+) -> float:
     """Relative change of a torsional frequency by walls that converge (Rayleigh's quotient).
 
     The torque on a section is due to the inertia of the part of the leg between it and the tip.
@@ -128,4 +138,5 @@ def _torsional_change(leg: LineLeg, mode: _Mode) -> float:
         return np.asarray(inertia(leg.length) - inertia(positions))
 
     strain = mode.weights @ (torques(mode.positions) ** 2 * field.flexibility[:, 3, 3])
-    return float((1.0 + distortion_work(leg, torques) / strain) ** -0.5 - 1.0)
+    work = distortion_work(leg, torques, frame_stiffness)
+    return float((1.0 + work / strain) ** -0.5 - 1.0)
