@@ -33,9 +33,9 @@ and other programs, and repeat these numbers.
 numbers below are those with the libraries that `requirements.lock` names.
 
 - **known**: value of the source.
-- **difference**: (flexproof − known)/known. Below 1e-6 it is marked as rounding.
+- **difference**: (flexproof − known)/known. If it is below 1e-6, the table has the word rounding.
 - **explained**: known difference between the two theories, computed independently.
-- **allowed**: largest accepted rest, which is the difference less its explained part.
+- **allowed**: largest accepted remainder, which is the difference minus its explained part.
 
 The tables are written by `docs/pictures/verification.py` from the benchmarks in
 `validation/selftest` and `tests/support/oracles/further_benchmarks.py`.
