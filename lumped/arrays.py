@@ -48,7 +48,7 @@ def unit_diagonal(matrix: Array) -> Array:
     """
     diagonal = np.diag(matrix)
     if not (diagonal > 0.0).all():
-        raise LinAlgError("an entry on the diagonal is not positive")
+        raise LinAlgError("an entry on the diagonal of the matrix is not positive")
     return np.asarray(1.0 / np.sqrt(diagonal))
 
 

@@ -37,7 +37,7 @@ def require_positive_definite(leg: GivenLeg) -> None:
     """Raise InputError if the leg's compliance is not positive definite."""
     if np.linalg.eigvalsh(leg.compliance)[0] <= 0.0:
         raise InputError(
-            "its compliance is not positive definite, so that it has no equivalent leg",
+            "the 6×6 compliance is not positive definite, so that no equivalent leg exists",
             part=leg.name or "leg",
         )
 

@@ -143,6 +143,6 @@ def beam_wave(kind: PrismWaves, omega: float, sign: float) -> tuple[float, Array
                     return square, shape
                 break
     raise ComputationError(
-        f"waves: no {fields.name} like that of a beam at {omega / (2.0 * np.pi):.4g} Hz: "
-        "near this frequency the walls of the section vibrate locally"
+        f"waves in a prism: at {omega / (2.0 * np.pi):.4g} Hz no wave of {fields.name} resembles "
+        "that of a beam; near this frequency the walls of the section vibrate locally"
     )

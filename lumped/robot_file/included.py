@@ -92,14 +92,16 @@ class _Includer:
         except (OSError, RuntimeError, ValueError):
             raise line.fault(f"{include}: cannot be read") from None
         if not file.is_relative_to(self.folder):
-            raise line.fault(f"{include}: lies outside the folder of the deck; move it there")
+            raise line.fault(
+                f"{include}: lies outside the folder of the deck; move it into this folder"
+            )
         if file in chain:
             cycle = " includes ".join(
                 included.name for included in (*chain[chain.index(file) :], file)
             )
             raise line.fault(f"{include}: includes itself ({cycle})")
         if len(chain) > _DEEPEST:
-            raise line.fault(f"{include}: is more than {_DEEPEST} files deep; write them into one")
+            raise line.fault(f"{include}: is more than {_DEEPEST} files deep; join the files")
         try:
             content = read_ordinary(file, "a part of the deck", LARGEST_DECK)
         except FileNotFoundError:

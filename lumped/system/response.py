@@ -337,7 +337,8 @@ def _viscous_terms(
         if terms is not None:
             return terms
     raise ComputationError(
-        "dashpots: several motions are damped critically; must be changed by 1 %"
+        "dashpots: several modes are critically damped, so that they cannot be separated; change "
+        "the damping constants by 1 %"
     )
 
 

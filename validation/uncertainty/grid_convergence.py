@@ -198,7 +198,7 @@ def analyse(
     if len(sizes) != len(values) or len(sizes) < 4:
         raise ValueError(f"a convergence study needs four grids or more, not {len(values)}")
     if not (np.all(np.diff(sizes) < 0.0) and sizes[-1] > 0.0 and np.all(np.isfinite(values))):
-        raise ValueError("mesh sizes must decrease, stay positive, and every value be finite")
+        raise ValueError("mesh sizes must decrease and be positive, and all values must be finite")
     behaviour = classify(sizes, values, round_off)
     if behaviour == "round-off plateau":
         return _plateau(sizes, values, round_off)
