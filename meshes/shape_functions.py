@@ -36,7 +36,7 @@ _SKFEM = {
 
 
 def _skfem_numbers(element: ElementName) -> list[int]:
-    """Number in scikit-fem of each local node, found by comparing coordinates."""
+    """Index in scikit-fem of each node in `meshes.elements`, found by comparing coordinates."""
     theirs = np.asarray(_SKFEM[element].doflocs)
     return [int(np.argmin(np.abs(theirs - node).sum(axis=1))) for node in ELEMENTS[element].nodes]
 

@@ -3,7 +3,8 @@
 `divisions` is the number of elements across the smaller side of the section's bounding box:
 
 - rectangle: this number across the smaller side, and along the larger side as many as make the
-  elements nearly square, or fewer in a narrow strip (`side_ratio`); or two numbers, along y and z;
+  elements nearly square, or fewer in a narrow strip (`side_ratio`). For this shape `divisions` can
+  also be two numbers, along y and z;
 - circle: this number, but at least three, across a diameter (a core with curved sides, and a ring
   of four blocks around it);
 - walls (hollow rectangle, tube, I, channel, angle, tee, and polygons and composites all of whose
@@ -11,8 +12,9 @@
   a thick wall (`_across`); along the wall, elements whose length is the smaller side divided by
   `divisions`, but not longer than `WALL_ASPECT` times their thickness.
 
-So divisions of 4, 8, 16, … are uniform refinements of each other for every shape. Polygons and
-composites with other edges have no blocks: `meshes.section.section_mesh` fills them without blocks.
+Meshes with divisions of 4, 8, 16, … are uniform refinements of each other for every shape. Polygons
+and composites with other edges have no blocks: `meshes.section.section_mesh` fills them without
+blocks.
 """
 
 from collections.abc import Sequence
@@ -117,7 +119,7 @@ def refinements(divisions: Divisions) -> int:
 
 
 def side_ratio(section: Section) -> float:
-    """Number of elements along the larger side of a section per element along the smaller.
+    """Ratio of the number of elements along the larger side to that along the smaller side.
 
     A strip bends like a plate, over lengths of the order of its width. If a strip is wider than
     `WALL_ASPECT` times its thickness, its elements are therefore stretched along the width of the
@@ -281,9 +283,10 @@ def _strip_counts(
     `widths` (m) are the widths of the strips. Perpendicular strips with the widths `across` (m)
     divide them into blocks. `owners` (one row per strip, one column per block) contains the number
     of the part to which a block belongs, −1 outside the section. Adjacent blocks of one part in a
-    strip form a run. A strip is a wall if it is not wider than its shortest run is long. It is then
-    divided like the thickness of a wall. Any other strip is divided along the thinnest wall that
-    crosses it. `side` (m) is the section's smaller side.
+    strip form a run. A strip is a wall if its shortest run is at least as long as the strip is
+    wide. A wall is divided across its thickness (`_across`). The width of any other strip is
+    divided like a piece of wall of that length (`_along`), whose thickness is the length of the
+    shortest run. `side` (m) is the section's smaller side.
     """
     counts = []
     for width, blocks in zip(widths.tolist(), owners, strict=True):

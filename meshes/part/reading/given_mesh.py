@@ -178,9 +178,10 @@ def _pieces(mesh: VolumeMesh) -> int:
 def _named(
     mesh: VolumeMesh, facets: Facets, groups: list[Group]
 ) -> tuple[dict[int, Facets], dict[int, str]]:
-    """Faces by number, and by number the names of the faces that lie in a group of the file.
+    """Facets of each face, and names of the faces that lie in a group of the file.
 
-    Faces are the smooth patches of the boundary `facets`, divided at the limits of `groups`.
+    Both are keyed by the number of the face. Faces are the smooth patches of the boundary `facets`,
+    divided at the limits of `groups`.
     """
     label = np.zeros(len(facets.cells), dtype=np.int64)
     for number, rows in enumerate(smooth_faces(mesh.nodes, facets)):
