@@ -277,9 +277,9 @@ def _couplings(part: DescribedPart) -> Iterator[Finding]:
 
 
 def _tip_rotation(part: DescribedPart) -> Iterator[Finding]:
-    """Check that the tip rotates at most ten times as far as that of a beam with equal deflection.
+    """Check that the tip rotates at most ten times as far as a beam's tip at equal deflection.
 
-    For a beam without shear deformation c66 = 3 c22/L² and c55 = 3 c33/L².
+    The beam has no shear deformation, so that c66 = 3 c22/L² and c55 = 3 c33/L².
     """
     if part.compliance is None or part.length is None:
         return

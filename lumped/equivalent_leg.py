@@ -1,4 +1,4 @@
-"""Equivalent leg: a prism of constant section in place of a leg given by its 6×6 (paper §2.3)."""
+"""Equivalent leg: a prism in place of a leg given by its 6×6 compliance (paper §2.3)."""
 
 from dataclasses import replace
 from math import sqrt
@@ -43,7 +43,7 @@ def require_positive_definite(leg: GivenLeg) -> None:
 
 
 def equivalent_leg(leg: Leg, by: EquivalentBy = "stiffness") -> ConstantLeg:
-    """Prismatic leg whose 6×6 has the same first four diagonal terms as `leg` (paper §2.3).
+    """Prismatic leg with the same first four diagonal terms of its 6×6 as `leg` (paper §2.3).
 
     With c the 6×6 compliance of a leg of length L: if `by` is "stiffness", the terms are those of K
     = c⁻¹: EA = K11 L, EIz = K22 L³/12, EIy = K33 L³/12, GJ = K44 L. If `by` is "compliance", they

@@ -137,8 +137,8 @@ def collect_faults(
 def naming(part: str) -> Iterator[None]:
     """Context that prefixes the messages of errors raised in it with `part`, a part of the model.
 
-    A message that begins with `part` already remains unchanged. If `part` is "", all messages do.
-    Exceptions of other classes, which are errors of the program, get `part` as a note.
+    A message that already begins with `part` is not changed. If `part` is "", no message is
+    changed. Exceptions of other classes, which are errors of the program, get `part` as a note.
     """
     try:
         yield

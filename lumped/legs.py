@@ -266,7 +266,7 @@ class LineLeg:
         return max(max(section.extent) for _, section in self.stations)
 
     def section_at(self, position: float) -> Section:
-        """Section at `position` (m along the line). At a step this is the section beyond it."""
+        """Section at `position` (m along the line). At a step it is the one on the tip's side."""
         span = next((s for s in reversed(self.spans) if s.start <= position), self.spans[0])
         return span.section(min(1.0, (position - span.start) / (span.end - span.start)))
 

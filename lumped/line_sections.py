@@ -5,10 +5,10 @@ section carries the wrench on one end of the piece. If C and the wrench are refe
 
     C = ∫ X F Xᵀ ds,   X = shift(o − r(s)),
 
-where F is the flexibility (6×6, per length) of the section at r(s). This is exact for every taper,
-step, corner and arc, in the beam theory of F. The constants of the sections vary smoothly within a
-span, and are interpolated there by polynomials. Areas and moments of area of linear tapers are
-polynomials themselves.
+where F is the flexibility (6×6, per length) of the section at r(s), and shift is the function
+`lumped.screws.shift`. This is exact for every taper, step, corner and arc, in the beam theory of F.
+The constants of the sections vary smoothly within a span, and are interpolated there by
+polynomials. Areas and moments of area of linear tapers are polynomials themselves.
 
 In an arc of curvature k, with the components ky and kz in the section's axes, the length of a fibre
 at (y, z) is that of the centre line times 1 − ξ with ξ = ky y + kz z (Winkler). An extension ε and

@@ -78,8 +78,9 @@ def _feed(
 ) -> None:
     """Add `value` to a digest, to which `update` adds bytes.
 
-    `select_fields` returns the fields of a record that are hashed. `digests_by_id` keeps the
-    digests of records that are compared by value, by their `id`.
+    `select_fields` returns the fields of a record that are hashed. `digests_by_id` contains digests
+    that were computed before, by the `id` of the record. It is used for records that are compared
+    by value.
     """
     match value:
         case np.ndarray():

@@ -60,7 +60,8 @@ class _Texts(NamedTuple):
     """Unit of a kind of quantity, and templates for four texts about a quantity of this kind.
 
     The templates belong to the properties `name`, `label`, `meaning` and `loading` of `Quantity`.
-    They contain placeholders such as {key} and {axis}. `loading` is "" without a unit load.
+    They contain placeholders such as {key} and {axis}. `loading` is "" for kinds without a unit
+    load.
     """
 
     unit: str
@@ -123,7 +124,7 @@ class Quantity:
     `key` identifies the quantity within its `kind`: the axis, the mode ("f2"), the entry of a leg's
     compliance ("leg1.c22"), or the name of a load or response. It is "" if the kind has a single
     quantity. `column` is the index from 0 among the results of that kind: axes, loads, modes,
-    values of responses, or the 36 entries of a 6×6 row by row.
+    values of responses, or the 36 entries of a leg's compliance row by row.
     """
 
     kind: QuantityKind
@@ -197,7 +198,8 @@ class Quantity:
     def static_column(self) -> int:
         """Index of the displacement of the quantity among the displacements under all loads.
 
-        Order: unit loads along and about the axes, any force, loads of the robot file.
+        Order: unit loads along and about the axes, the unit force in the direction of the largest
+        error (ANY_FORCE), loads of the robot file.
         """
         first = {_KIND.ANY_FORCE: len(AXES), _KIND.LOAD: len(AXES) + 1}
         return first.get(self.kind, 0) + self.column

@@ -3,7 +3,8 @@
 The receptance H(s) = A (K + sD + s²M)⁻¹ Aᵀ of the outputs A is written as a sum of first-order
 terms. Let x be the displacements in the basis of undamped modes, which satisfy x = K⁻¹(Aᵀ − sDx −
 s²Mx), and let y = sx/ω with the natural frequency ω of each undamped mode. The state z = (x, y)
-satisfies z + sNz = b with a constant matrix N and vector b. With the eigenvalues ν of N,
+satisfies z + sNz = b with a constant matrix N and vector b. With the eigenvalues ν of N and a
+residue matrix G for each of them,
 
     H = Σ G / (1 + sν)
 

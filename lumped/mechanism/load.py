@@ -33,7 +33,10 @@ class LineLoad:
         return self.first + share * (self.last - self.first)
 
     def in_axes(self, rotation: Array) -> "LineLoad":
-        """The same load in the axes that are the columns of `rotation` (3×3, present axes)."""
+        """Load with forces and moments in other axes: the columns of `rotation` (3×3).
+
+        The columns are unit vectors in the axes of this load.
+        """
         first, last = (
             (wrench.reshape(2, 3) @ rotation).ravel() for wrench in (self.first, self.last)
         )

@@ -1,9 +1,9 @@
 """Legs as springs and as links of matrix structural analysis; statics and modes of one clamped leg.
 
 A link is a leg represented by its stiffness between its two interfaces. The 12×12 stiffness of a
-prism, or of a leg specified by its 6×6, follows from the tip compliance with clamped root by
-equilibrium. Links are used in statics only, because they do not define how the mass inside a body
-moves.
+prism, or of a leg specified by its 6×6 compliance, follows by equilibrium from the compliance at
+the tip with clamped root. Links are used in statics only, because they do not define how the mass
+inside a body moves.
 
 Tip compliance and natural modes of a single leg with its root clamped are computed from any model
 that consists of stiffness and mass matrices.
@@ -60,7 +60,7 @@ def legs_of(mechanism: Mechanism) -> dict[str, Leg]:
 
 
 def on_equivalent_legs(mechanism: Mechanism) -> Mechanism:
-    """Mechanism in which equivalent prismatic legs replace legs specified by their 6×6."""
+    """Mechanism in which equivalent prismatic legs replace legs given by a 6×6 compliance."""
     bodies = {
         name: replace(body, shape=replace(equivalent_leg(body.shape), name=name))
         if isinstance(body.shape, GivenLeg)

@@ -117,8 +117,9 @@ def _bordered_solution(chain: Chain, name: str) -> _Bordered:
 def clamped_end_wrench(chain: Chain, slip: Array, work: Array, name: str = "chain") -> Array:
     """Wrench (6, SI, base axes) on the clamped end of a chain under loads along the chain.
 
-    `slip` (6) is the displacement of the end if it were free and only the springs deflected under
-    the loads. `work` (q) is the work of the loads on a unit rate of each passive joint.
+    `slip` (6) is the displacement that the end would have if it were free, the passive joints were
+    locked, and the springs deflected under the loads. `work` (q) is the work of the loads on a unit
+    rate of each passive joint.
     """
     bordered = _bordered_solution(chain, name)
     free = bordered.matrix[:6, 6:]

@@ -346,10 +346,11 @@ def _smallest_at_vertices(partition: Partition, is_kept: NDArray[np.bool_]) -> A
 
 
 def _sharpest_opening(openings: Array, filled: NDArray[np.bool_]) -> float:
-    """Interior angle (rad) of a corner that is at least as singular as the vertex.
+    """Interior angle (rad) of a corner of one region that stands for a vertex of several.
 
-    0 if there is no singularity. `openings` (rad) are the angles of the sectors about the vertex.
-    `filled` is True for sectors that belong to a region.
+    Its stress singularity is at least as strong as that of the vertex. 0 if there is none.
+    `openings` (rad) are the angles of the sectors about the vertex. `filled` is True for sectors
+    that belong to a region.
     """
     if np.count_nonzero(filled) == 1:
         inner = float(openings[filled][0])
@@ -394,7 +395,10 @@ def _rim(edges: _Edges) -> _Rim:
 
 
 def _smallest_elements(loop: Loop) -> Array:
-    """Length (n) of the elements at each corner, small enough for the singular term ρ^(π/α)."""
+    """Length (n) of the elements at each corner, small enough for its singular term ρ^(π/α).
+
+    α is the interior angle of the corner, ρ the distance from it.
+    """
     lengths = np.linalg.norm(np.roll(loop, -1, axis=0) - loop, axis=1)
     shorter = np.minimum(lengths, np.roll(lengths, 1))
     inner = inner_angles(loop)

@@ -119,7 +119,10 @@ class Section(ABC):
         return wrong or self._own_faults(unit)
 
     def _own_faults(self, unit: str) -> list[str]:  # noqa: ARG002
-        """Faults of dimensions that do not fit together, although each is above zero."""
+        """Faults of dimensions that do not fit together, although each is above zero.
+
+        There is one line per fault. `unit` is the unit of the dimensions, for messages.
+        """
         return []
 
 

@@ -182,9 +182,9 @@ def _inverse_squares(solution: Solved) -> tuple[Array, Array]:
 
 
 def with_idle(solution: Solved, displacements: Array) -> Array:
-    """Displacements (n×m) plus the idle motions with which they have no momentum in idle motions.
+    """Displacements (n×m) plus the idle motions that follow them freely.
 
-    These are the idle motions that follow the displacements freely.
+    The sum u has no momentum in any of the idle motions N: NᵀMu = 0.
     """
     if not solution.idle:
         return displacements

@@ -40,7 +40,8 @@ class Stability:
     base axis due to the load, negative if the stiffness increases. `extra_displacement` is the
     relative increase of the tool's displacement over that without geometric stiffness, negative if
     it decreases. `frequencies` (Hz) are natural frequencies under the load. If the mechanism
-    buckles below the load, the first two are NaN and `frequencies` is empty.
+    buckles below the load, `stiffness_losses` and `extra_displacement` are NaN and `frequencies` is
+    empty.
     """
 
     factor: float | None

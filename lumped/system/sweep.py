@@ -10,9 +10,9 @@ factorised for each posture. The inverse squares 1/ω² of the frequencies are t
     [ L⁻¹ M_ee L⁻ᵀ        L⁻¹ M_ei Λ^(−½)  ]
     [ sym.           Λ^(−½) M_ii Λ^(−½) ]
 
-whose last block does not depend on the posture. All postures are solved together. A posture is
-solved individually (`lumped.system.solution`) if the matrices of a body are sparse, if there is an
-idle motion, or if the stiffness may be singular.
+whose last block does not depend on the posture. Postures are solved together in batches. The
+postures of a batch are solved individually (`lumped.system.solution`) if the matrices of a body are
+sparse, if there is an idle motion, or if the stiffness may be singular.
 """
 
 from collections.abc import Iterator, Sequence
@@ -140,7 +140,7 @@ def _individually(system: System, count: int) -> Swept:
 def _together(
     prepared: Assembly, inside: _InnerMatrices, postures: Sequence[Posture], count: int
 ) -> Swept | None:
-    """Results of a batch of postures. None if one of them must be solved individually."""
+    """Results of a batch of postures. None if the postures must be solved individually."""
     try:
         nodes = prepared.node_matrices(postures)
         if not is_well_scaled(nodes.stiffness):

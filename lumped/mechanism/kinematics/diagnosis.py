@@ -47,7 +47,7 @@ class OffAxis(NamedTuple):
 
 
 def off_axes(mechanism: Mechanism) -> list[OffAxis]:
-    """Joints whose axis may be wrong: with another axis at one joint the tool could move.
+    """Joints that may have a wrong axis: with another one the tool could move as prescribed.
 
     Each joint is tested alone. Joints whose axis would have to rotate by more than 1.5 times the
     smallest such angle are left out. The joints are sorted by the number of axes of other joints

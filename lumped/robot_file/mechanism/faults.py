@@ -1,6 +1,7 @@
 """Faults of a robot file of schema 2: first those of the description, then those of the mobility.
 
-Closing the loops of the mechanism shows drives that do not fix the tool, and poses out of reach.
+Faults of the mobility, such as drives that do not fix the tool or poses out of reach, are found by
+closing the loops of the mechanism.
 """
 
 from collections.abc import Collection, Iterator, Sequence

@@ -34,8 +34,8 @@ class LegLine:
     """Centre line of a leg (leg axes), and the sections at stations along it.
 
     `stations` are pairs (position in m along the line, section). None if there are `faults` or the
-    leg has no section. `line` is None if its points have faults, or if a leg with these keys must
-    not have a line.
+    leg has no section. `line` is None if its points have faults, or if the leg has keys that
+    exclude a line.
     """
 
     line: CentreLine | None
@@ -62,8 +62,8 @@ def leg_line(
 ) -> LegLine | None:
     """Centre line and stations of the leg at `key`, with the keys `through` or `sections`.
 
-    None for a leg with neither of these keys, which is a prism, and if points of the leg have
-    faults. These faults are reported elsewhere.
+    None for a prism, which has neither of these keys. None also if points of the leg or its `up`
+    have faults, which are reported elsewhere.
     """
     names = [name for name in ("through", "sections") if getattr(body, name) is not None]
     if not names:

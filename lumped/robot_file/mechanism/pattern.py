@@ -55,13 +55,16 @@ class _Pattern:
         return rotation
 
     def place(self, point: Any, number: int) -> list[float]:
-        """Position of a point in copy `number`."""
+        """Position (3) in copy `number` of a `point` of the entry (3 coordinates).
+
+        Both are in the length unit of the file.
+        """
         origin = np.array(self.through)
         turned: list[float] = (origin + self.turn(number) @ (np.array(point) - origin)).tolist()
         return turned
 
     def direction(self, direction: Any, number: int) -> list[float]:
-        """Direction vector in copy `number`."""
+        """Vector (3) in copy `number` that corresponds to the vector `direction` of the entry."""
         turned: list[float] = (self.turn(number) @ np.array(direction, dtype=float)).tolist()
         return turned
 

@@ -221,7 +221,10 @@ def material_faults(material: MaterialEntry, path: str) -> Iterator[str]:
 
 
 def interface_faults(entry: InterfaceEntry | PressureEntry, key: str) -> Iterator[str]:
-    """Fault of an entry that does not select faces by exactly one of its four keys for this."""
+    """Fault of an entry that does not select faces by exactly one key.
+
+    The keys that select faces are `faces`, `name`, `cylinder` and `plane`.
+    """
     choices = ("faces", "name", "cylinder", "plane")
     present_keys = _present_keys(entry, *choices)
     if len(present_keys) != 1:
