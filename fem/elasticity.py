@@ -59,7 +59,7 @@ class NodePairs:
 
     @property
     def diagonal(self) -> IntArray:
-        """Indices of the pairs of a node with itself."""
+        """Indices (N) of the pairs of a node with itself."""
         return np.flatnonzero(self.rows == self.columns)
 
 
@@ -173,7 +173,10 @@ def _jacobians(mesh: VolumeMesh, chunk: slice, reference_gradients: Array) -> tu
 
 
 def _inverse(jacobian: Array, determinant: Array) -> Array:
-    """Inverses of 3×3 matrices by cofactors, ten times as fast as calling LAPACK for each."""
+    """Inverses (…×3×3) of matrices `jacobian` (…×3×3) with known `determinant` (…), by cofactors.
+
+    This is ten times as fast as calling LAPACK for each matrix.
+    """
     first, second, third = jacobian[..., 0], jacobian[..., 1], jacobian[..., 2]
     rows = [np.cross(second, third), np.cross(third, first), np.cross(first, second)]
     return np.stack(rows, axis=-2) / determinant[..., None, None]

@@ -85,17 +85,18 @@ def require_beams(mechanism: Mechanism) -> None:
 
 
 def _is_coupled(leg: ConstantLeg) -> bool:
-    """True for a leg with coupled bending or torsion, of several materials, or without outline."""
+    """True for a leg with coupled bending or torsion, several materials, or no section outline."""
     beam, section = leg.properties("euler-bernoulli"), leg.section
     outlined = section.has_outline and section.is_uniform
     return beam.couples_bending or beam.couples_torsion or not outlined
 
 
 def frequencies(posture: Posture, elements: int, count: int) -> Array:
-    """The lowest `count` natural frequencies (Hz) of a mechanism, including zeros of idle motions.
+    """The lowest `count` natural frequencies (Hz) of a mechanism.
 
-    `elements` is the number of beam elements per leg. Raises ExudynMissing if EXUDYN is not
-    installed, and InputError as `require_beams` does.
+    They include a zero for each idle motion, which does not move the tool. `elements` is the number
+    of beam elements per leg. Raises ExudynMissing if EXUDYN is not installed, and InputError as
+    `require_beams` does.
     """
     exudyn_version()
     require_beams(posture.mechanism)
@@ -147,7 +148,10 @@ class _ExudynModel:
         self.interfaces[name, point] = self.items.MarkerBodyRigid, carrier, position, rotation
 
     def marker(self, side: Side, axes: Array) -> int:
-        """Number of a marker at an interface, with the given axes (columns, base axes)."""
+        """Add a marker at the interface `side`, with `axes` (3×3, columns) in base axes.
+
+        Returns the number of the marker.
+        """
         marker, carrier, position, rotation = self.interfaces[side.body, side.point]
         transform = np.eye(4)
         transform[:3, :3], transform[:3, 3] = rotation.T @ axes, position

@@ -295,9 +295,10 @@ class _Coupled:
 
 
 def _coupled(p: BeamProperties, size: float) -> _Coupled:
-    """Dimensionless state equations: unit of length `size` (m), unit of ω² EI/(μ `size`⁴).
+    """Dimensionless state equations of bending in both planes with torsion.
 
-    EI is the larger one of both planes.
+    The unit of length is `size` (m), and the unit of ω² is EI/(μ `size`⁴) with the larger EI of
+    both planes.
     """
     EI, mu = max(p.EIy, p.EIz), p.mu
     count = 6 if p.is_eccentric or p.is_helical else 5
@@ -377,10 +378,11 @@ def _coupled_pieces(p: BeamProperties, length: float, omega: float) -> int:
 
 
 def _coupled_stiffness(equations: _Coupled, pieces: int, omega: float) -> Array:
-    """Dynamic stiffness K(ω) of the clamped–free beam with coupled bending and torsion, over EI/l.
+    """Dynamic stiffness K(ω) of the clamped–free beam in coupled bending and torsion.
 
-    The unknowns are the dimensionless displacements of `_Coupled` at the ends of all pieces except
-    the root. `equations` are those of one piece of length l, `pieces` is the number of pieces.
+    The unknowns are the n dimensionless displacements of `_Coupled` at the ends of all pieces
+    except the root. `equations` are those of one piece of length l, `pieces` is the number of
+    pieces. The unit of K is EI/l, with the larger EI of both planes.
     """
     n = len(equations.mass)
     state = np.zeros((2 * n, 2 * n))

@@ -92,7 +92,7 @@ class ElementLineShearBeam(ElementLineBeam):
 
 
 def _from_middle(mapping: Any, X: Array, tind: Any) -> tuple[Array, Array]:
-    """Distances from the middle of the element and element lengths (m, elements × points)."""
+    """Distances of the points `X` from the middle, and element lengths (m, elements × points)."""
     l = mapping.detDF(X, tind)
     return l * (X[0] - 0.5), l
 

@@ -1,9 +1,10 @@
 """Uniform beams that represent the inside of a leg of which only the 6×6 compliance is known.
 
-They are used for the modes of the leg with fixed ends, which the 6×6 does not determine. A straight
-uniform beam of length L has the tip compliances c66 = L/EI, c26 = L²/2EI and c22 = L³/3EI + L/κGA,
-so that EI follows from c66. Its transverse stiffness (K = c⁻¹, all other twists fixed) is 1/K22 =
-L³/12EI + L/κGA: the excess over L² c66/12 is attributed to shear. A 6×6 does not contain
+They are used for the modes of the leg with fixed ends, which this compliance does not determine. A
+straight uniform beam of length L has the tip compliances c66 = L/EI, c26 = L²/2EI and c22 = L³/3EI
++ L/κGA, so that EI follows from c66. Its transverse stiffness (K = c⁻¹, all other twists fixed) is
+1/K22 = L³/12EI + L/κGA: the excess over L² c66/12 is attributed to shear. A 6×6 compliance does not
+show
 
 - whether this excess is due to shear along the leg or to compliance at its ends. With shear, the
   frequencies with fixed ends are lower: the deflections under a uniform load have the ratio 1 + 4Φ
@@ -60,7 +61,7 @@ class _Bending(NamedTuple):
 
 
 def interior_properties(leg: GivenLeg, interior: Interior) -> BeamProperties:
-    """Properties of the uniform beam that represents the inside of a leg given by its 6×6.
+    """Properties of the uniform beam that represents the inside of a leg given by its compliance.
 
     K is the inverse of the compliance c of the leg. A beam of the `interior` "uniform" or "stiff"
     has the stiffnesses K11, K22, K33 and K44. The "soft" one has them on the shorter length between
@@ -121,7 +122,7 @@ def _bending(transverse: float, turning: float, axial: float, elastic: float) ->
 
 
 def interior_beam(leg: GivenLeg, interior: Interior, elements: int) -> LegMatrices:
-    """Free uniform beam with `elements` elements for the inside of a leg given by its 6×6.
+    """Free uniform beam with `elements` elements for the inside of a leg given by its compliance.
 
     The unknowns are those of `warping_beam_leg`.
     """

@@ -37,8 +37,8 @@ def line_beam(sections: LineSections, elements: int) -> LegMatrices:
     """Free leg along a line with about `elements` beam elements, between `LineSections.edges`.
 
     Unknowns: twist of the root, twist of the tip, twists of the inner nodes from root to tip, then
-    the unknowns inside the elements. The argument of the leg's `centreline` are positions along the
-    line.
+    the unknowns inside the elements. The leg's `centreline` is a function of positions (m) along
+    the line.
     """
     if elements < 1:
         raise InputError(f"beam leg: elements = {elements!r}: must be 1 or more")
@@ -96,9 +96,10 @@ def line_beam(sections: LineSections, elements: int) -> LegMatrices:
 def _inner_strains(rigid: tuple[bool, ...]) -> IntArray:
     """Indices of the strains that vary linearly inside an element.
 
-    These are the strains that are not `rigid` (one flag per strain). If both shear strains are
-    rigid, only tension and torsion are returned: bending without shear has fourth order without
-    inner strains, as in Hermite's element.
+    The six strains are tension, two shears, torsion and two curvatures. Those that are not `rigid`
+    (one flag per strain) vary linearly. If both shear strains are rigid, only tension and torsion
+    are returned: bending without shear has fourth order without inner strains, as in Hermite's
+    element.
     """
     if rigid[1] and rigid[2]:
         return np.array([0, 3])

@@ -94,9 +94,9 @@ def stepped_leg(leg: SteppedLeg, build: Callable[[Piece], LegMatrices]) -> LegMa
 def _node(node: int, count: int, length: float) -> tuple[int, Array | None]:
     """Index of the first unknown of a node, and the point to which the node's twist is referred.
 
-    Nodes are numbered from 0 at the root to `count` at the tip, which are referred to the ends of
-    the straight line of `length` (m). The point is None for other nodes: their twist is that of the
-    node itself.
+    Nodes are numbered from 0 at the root to `count` at the tip. The twists of these two nodes are
+    referred to the ends of the straight line of `length` (m). For other nodes the point is None:
+    the twist is referred to the node itself.
     """
     if node == 0:
         return 0, np.zeros(3)

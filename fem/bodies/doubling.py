@@ -293,7 +293,7 @@ def _slice(mesh: SolidMesh, leg: ConstantLeg, face: _FaceDeformations) -> Conden
 
 
 def _by_deformations(matrix: Array | SparseMatrix, face: _FaceDeformations) -> Array:
-    """Product of `matrix` (one column per unknown of a face) with the face's deformations N."""
+    """Product (r×k) of `matrix` (r×m) with the deformations N (m×k) of a face with m unknowns."""
     odd, even = matrix @ face.reversal.odd, matrix @ face.reversal.even
     return np.hstack([odd @ face.odd, even @ face.even])
 

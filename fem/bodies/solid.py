@@ -59,9 +59,9 @@ def solid_mesh(
 ) -> SolidMesh:
     """Extruded or lofted mesh of a leg, `divisions` elements across the section's smaller side.
 
-    `section` gives other divisions for the section alone. None if they are the same. The slices are
-    in any case as long as elements of `divisions` are wide. Raises InputError if the leg or the
-    divisions are not valid.
+    `section` are the divisions of the section mesh. None if they equal `divisions`. The length of
+    the slices always follows from `divisions`. Raises InputError if the leg or the divisions are
+    not valid.
     """
     if isinstance(leg, LineLeg):
         return loft(leg, section or divisions, slices_along(leg, divisions))
@@ -87,9 +87,9 @@ def solid_leg(leg: SectionedLeg, mesh: SolidMesh) -> SolidLeg:
 
 
 def _anisotropic(mesh: SolidMesh, moduli: Moduli) -> tuple[SparseMatrix, SparseMatrix]:
-    """Stiffness and mass of an extruded mesh whose slices all have the same `moduli`.
+    """Stiffness (csr 3N×3N) and mass (csr N×N) of an extruded mesh, `moduli` equal in all slices.
 
-    These are given for the cells of the section's mesh.
+    The moduli are given for the cells of the section's mesh.
     """
     cells = len(moduli.densities)
 

@@ -179,7 +179,8 @@ def _elastic(material: Material) -> Iterator[str]:
 def _orthotropic(elasticity: Array) -> Iterator[str]:
     """Lines of the card *ELASTIC for an orthotropic elasticity matrix (6×6, Pa).
 
-    CalculiX expects its entries in the order 1111, 1122, 2222, 1133, 2233, 3333, 1212, 1313, 2323.
+    CalculiX expects the entries C_ijkl of the matrix in the order ijkl = 1111, 1122, 2222, 1133,
+    2233, 3333, 1212, 1313, 2323.
     """
     places = ((0, 0), (0, 1), (1, 1), (0, 2), (1, 2), (2, 2), (5, 5), (4, 4), (3, 3))
     *first, last = (_number(float(elasticity[index])) for index in places)

@@ -114,9 +114,10 @@ def with_bars(posture: Posture) -> Posture:
 def bar_solids(mechanism: Mechanism) -> dict[str, SolidLeg]:
     """Solid model of each leg of a mechanism, by name of the leg, on a coarse mesh.
 
-    The mesh consists of second-order tetrahedra, one across the section. Legs given by a 6×6 are
-    replaced by their equivalent legs. Equal legs share one model. The mass is summed over the
-    points that CalculiX uses. Raises InputError for a leg along a line.
+    The mesh consists of second-order tetrahedra, one across the section. A leg given by its 6×6
+    compliance is replaced by its equivalent prism (`lumped.equivalent_leg`). Equal legs share one
+    model. The mass is summed over the points that CalculiX uses. Raises InputError for a tapered,
+    stepped or curved leg.
     """
     solid_of_leg: dict[ConstantLeg, SolidLeg] = {}
     solids = {}

@@ -45,7 +45,8 @@ class _Freedoms:
     the twists at these points. Both are keyed by (body, interface), with "" as interface for a
     rigid body. Each of the `springs` is a tuple of three: the row (n) that gives its deflection
     from the freedoms, its stiffness (N/m or N m/rad), and the inertia (kg or kg m²) that moves with
-    this deflection. `idle` (k×n) are the k idle motions, as unit vectors of freedoms.
+    this deflection. `idle` (k×n) are the k idle motions, which do not move the tool, as unit
+    vectors of freedoms.
     """
 
     places: Mapping[tuple[str, str], Array]
@@ -59,7 +60,7 @@ class MechanismDeck:
     """Deck of a mechanism, with the data to evaluate its results.
 
     `tool` (6×n) is the matrix from the displacements of n freedoms, which CalculiX prints, to the
-    twist of the loaded point. `idle` is the number of idle motions.
+    twist of the loaded point. `idle` is the number of idle motions, which do not move the tool.
     """
 
     deck: Deck

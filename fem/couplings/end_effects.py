@@ -78,13 +78,13 @@ class _Squares:
         return np.concatenate([axial, in_plane])
 
     def zeros(self, fields: SectionFields) -> tuple[Array, Array]:
-        """Generalised eigenvectors for γ² = 0 of L z = γ² R z, and those of the transposed problem.
+        """Generalised eigenvectors (n×c each) for γ² = 0 of L z = γ² R z and of its transpose.
 
         The first array contains z₀ with L z₀ = 0 and, for deflections only, z₁ with L z₁ = R z₀.
         The second array contains the corresponding y₀ and y₁ of the transposed problem. A solution
-        z₁ exists only if R z₀ is orthogonal to all y₀. Tension and torsion have no z₁. They are
-        therefore subtracted from the deflections such that R z₀ of each deflection is orthogonal to
-        their y₀.
+        z₁ exists only if R z₀ is orthogonal to all y₀. Tension and torsion have no z₁. Multiples of
+        their z₀ are therefore subtracted from the z₀ of each deflection, so that its R z₀ is
+        orthogonal to the y₀ of tension and torsion.
         """
         rigid, p = fields.unstrained, self.axial
         solutions, adjoint_solutions = rigid.copy(), rigid.copy()
@@ -122,8 +122,9 @@ def _decays(fields: SectionFields) -> tuple[Array, Array]:
 
     The shapes of e^{−γx}, which decay from the root, have the opposite sign of u_x. The smallest γ²
     must not lose its digits: for walls of thickness t and a side b, it is at most (t/b)² times the
-    largest. Rates are therefore computed from the eigenvalues 1/γ², of which it is the largest, in
-    the space without the generalised eigenvectors of γ² = 0.
+    largest. Rates are therefore computed from the eigenvalues 1/γ², the largest of which belongs to
+    the smallest γ². The eigenvalue problem is solved in the space without the generalised
+    eigenvectors of γ² = 0.
     """
     squares = _Squares(fields)
     chain, adjoint = squares.zeros(fields)
@@ -147,7 +148,8 @@ def _decays(fields: SectionFields) -> tuple[Array, Array]:
 def _change(fields: SectionFields, length: float) -> Array:
     """Change of compliance (m×m) due to rigid end faces, for the m wrenches of one symmetry.
 
-    The reference is the compliance with Saint-Venant's tractions on the faces.
+    The reference is the compliance with Saint-Venant's tractions on the faces. `length` (m) is that
+    of the prism.
     """
     root, tip = (saint_venant_states(fields, x) for x in (0.0, length))
     unit = np.linalg.inv(fields.rigid.T @ tip.forces)

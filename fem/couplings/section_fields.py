@@ -98,7 +98,7 @@ class SectionFields:
 
     @property
     def coupling(self) -> Array:
-        """Matrix G = E₁ − E₁ᵀ that multiplies u′ in the equations of the prism."""
+        """Matrix G = E₁ − E₁ᵀ (n×n) that multiplies u′ in the equations of the prism."""
         return np.asarray(self.E1 - self.E1.T)
 
     def squares_problem(self, omega: float = 0.0) -> tuple[Array, Array]:
@@ -187,7 +187,8 @@ def _symmetries(
 def _coupled_kinds(reversed_axes: Sequence[tuple[int, ...]]) -> list[list[_Class]]:
     """Groups of kinds of deformation that are coupled in a section.
 
-    These have the same signs under the reversals in `reversed_axes`, the symmetries of the section.
+    Kinds are coupled if they have the same signs under all reversals in `reversed_axes`, the
+    symmetries of the section.
     """
     groups: dict[tuple[float, ...], list[_Class]] = {}
     for kind in _CLASSES:

@@ -55,7 +55,7 @@ class CraigBampton(Superelement):
     truncated: Array
 
     def loosened(self, squared: float) -> tuple[Array, Array]:
-        """Additions to stiffness and mass with which the frequencies of the robot are lower bounds.
+        """Additions (n×n) to stiffness and mass that make the robot's frequencies lower bounds.
 
         The bound holds for ω² up to `squared` (rad²/s²), see `Truncated.loosened`.
         """
@@ -95,7 +95,7 @@ class FrequencyBounds:
 
     @property
     def relative_width(self) -> Array:
-        """Bounds on the relative errors of the frequencies of the reduced robot."""
+        """Bound on the relative error of each frequency of the reduced robot."""
         return np.asarray(1.0 - self.lower / self.upper)
 
 

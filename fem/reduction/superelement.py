@@ -71,8 +71,9 @@ def end_motions(length: float) -> Array:
 def ends_stiffness(tip_stiffness: Array, length: float) -> Array:
     """Stiffness Bᵀ S B (12×12) of both ends, from the tip stiffness S (6×6) with clamped root.
 
-    B = [−X I] gives the twist of the tip relative to the rigid motion of the leg with its root.
-    With B, equilibrium and the six rigid motions are exact to round-off for any mesh.
+    `length` (m) is that of the leg. B = [−X I] gives the twist of the tip relative to the rigid
+    motion of the leg with its root. With B, equilibrium and the six rigid motions are exact to
+    round-off for any mesh.
     """
     relative = np.hstack([-shift(np.array([length, 0.0, 0.0])), np.eye(6)])
     return _symmetric(relative.T @ tip_stiffness @ relative)
@@ -178,8 +179,9 @@ def _interior_factor(model: str, stiffness: SparseMatrix) -> Factor | None:
 def _refuse_unbalanced(leg: LegMatrices, stiffness: SparseMatrix, modes: Array) -> None:
     """Raise ComputationError if round-off dominates the stiffness between the ends.
 
-    The displacements of the tip under unit wrenches, with the root fixed, must have the strain
-    energy given by their compliance.
+    `modes` (n×12) are the static displacements for unit twists of the ends. The displacements under
+    unit wrenches at the tip, with the root fixed, must have the strain energy given by the
+    compliance of the tip.
     """
     tip = modes[:, 6:]
     of_tip = tip.T @ (stiffness @ tip)

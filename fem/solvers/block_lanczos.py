@@ -56,7 +56,7 @@ class Ritz:
 
     @property
     def errors(self) -> Array:
-        """Estimated relative errors of the frequencies, by the smaller of two bounds on ω²."""
+        """Estimated relative errors (m) of the frequencies, by the smaller of two bounds on ω²."""
         distances = np.abs(np.append(self.values, self.beyond) - self.values[:, None])
         distances /= self.values[:, None]
         distances[distances < CLUSTER] = np.inf

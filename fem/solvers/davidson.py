@@ -48,8 +48,8 @@ def davidson(
     """Lowest `count` eigenvalues ω² (m, rad²/s², ascending) and M-orthonormal modes (n×m).
 
     K is positive definite on a subspace that contains `start` (n×s) and all results of
-    `precondition`, which is T on blocks (n×k). T and M are positive definite. m is below `count` if
-    n is. Raises StagnationError after `limit` applications of T.
+    `precondition`, which is T on blocks (n×k). T and M are positive definite. m equals `count`, or
+    n if n is smaller. Raises StagnationError after `limit` applications of T.
     """
     found, squared = np.zeros((len(start), 0)), np.zeros(0)
     basis, _ = orthonormal_block(start, found, M, HOST)

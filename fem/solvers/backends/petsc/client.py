@@ -202,7 +202,7 @@ class Server:
         return self._columns("solve", name, right, part)
 
     def cycle(self, name: int, right: Array, part: str) -> Array:
-        """Columns (n×k) that one multigrid cycle of the iteration `name` makes of `right` (n×k)."""
+        """Approximate solutions (n×k) for `right` (n×k), by one cycle of the iteration `name`."""
         return self._columns("cycle", name, right, part)[0]
 
     def _columns(
