@@ -133,7 +133,7 @@ print("still here")
 
 
 def test_gmsh_keeps_signal_handlers():
-    """Under nohup, gmsh neither restores SIGHUP nor ends the process on an error."""
+    """After use of gmsh under nohup, SIGHUP stays ignored and a broken pipe raises an error."""
     command = ["nohup", sys.executable, "-c", SIGNALS]
     completed = subprocess.run(command, capture_output=True, text=True, check=False)
     assert (completed.returncode, completed.stdout) == (0, "an error\nstill here\n"), (

@@ -156,7 +156,7 @@ def test_section_varying_along_part_is_refused(tmp_path, draw, why):
 
 @pytest.mark.parametrize(("draw", "remaining"), PRISMS.values(), ids=PRISMS)
 def test_long_uniform_sections_become_pieces(tmp_path, draw, remaining):
-    """A prism with cut-outs: ten pieces have the area of the full or of the reduced section."""
+    """A bar with a step, or with hollow compartments: each piece has one of the two sections."""
     leg = stepped(body_of(meshed(tmp_path / "part.msh", draw, 20.0), 0.4))
     areas = np.array([piece.properties.mu for piece in leg.pieces]) / STEEL.rho
     # Of the bar, of what is left of it, and nothing between: a plane in a step's face is on one
