@@ -73,7 +73,7 @@ class CaseFields(TypedDict, total=False):
 
 
 class CaseGroup:
-    """Cases with `common` fields, all of which are repeated for the parameter values in `over`.
+    """Cases that have `common` fields. Each case is repeated for each parameter value in `over`.
 
     The parameters of the group vary slowest: first come all cases of the group for the first value,
     then all for the next value.

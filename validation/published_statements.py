@@ -102,7 +102,7 @@ def merged_claims(claims: Iterable[Claim]) -> tuple[Claim, ...]:
 
 
 def summary(claims: Iterable[Claim]) -> str:
-    """Sentence with the number of statements for each standing."""
+    """Sentence with the number of statements for each standing (see `Claim.standing`)."""
     standings = [claim.standing for claim in claims]
     counted_statements = len(standings) - standings.count("circular")
     counts = [

@@ -218,7 +218,7 @@ class Matrix:
 
     @property
     def attached(self) -> tuple["Matrix", ...]:
-        """Matrices of verdicts on each leg alone, and on models of legs of constant section."""
+        """Matrices in `parts`, then `formulation` unless it is None (see `Matrix`)."""
         return (*self.parts, *((self.formulation,) if self.formulation else ()))
 
     def entry(self, model: str, name: str) -> Entry | None:

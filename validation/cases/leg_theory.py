@@ -263,7 +263,7 @@ def _require_decided(
 
     `residuals` are the differences between solid and beam on each mesh, `entry` is row and column.
     The comparison is undecided if the difference is within the `tolerance` and the uncertainty
-    above it. Meshes lack if there are too few of them to observe an order of convergence.
+    above it. It lacks meshes if there are too few to observe an order of convergence.
     """
     uncertainty = residuals.uncertainty(*entry)
     undecided = abs(residuals.values[-1][entry]) <= tolerance < uncertainty
@@ -346,8 +346,8 @@ def exact_modes(leg: ConstantLeg) -> tuple[CantileverFrequency, ...]:
 def beam_mode_count(context: Context, leg: ConstantLeg) -> int:
     """Number of the highest mode to which beam theory applies, at least 1.
 
-    Raises Skip if the preset allows fewer than two solid meshes of the leg. The waves that decide
-    this question would then be too expensive, too.
+    Raises Skip if the preset allows fewer than two solid meshes of the leg. The waves of 3-D
+    elasticity, which determine the number, would then be too expensive as well.
     """
     _divisions(context, leg, modal_divisions, DYNAMICS, "solid meshes")
     follow_beam_theory = [not context.get(why_no_beam, leg, mode) for mode in exact_modes(leg)]

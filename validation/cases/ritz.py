@@ -172,7 +172,11 @@ def _elastic_and_idle(system: _System) -> tuple[Array, Array]:
 
 
 def _system(posture: Posture, legs: Mapping[str, RitzLeg], *, simplified: bool = False) -> _System:
-    """System on the unknowns that satisfy the joints. If `simplified`, only drives are elastic."""
+    """Matrices of a mechanism in a basis of motions that satisfy the constraints of all joints.
+
+    `legs`: polynomials of legs by name; other bodies are rigid. If `simplified`, only drives are
+    elastic.
+    """
     _require_closed(posture)
     mechanism = posture.mechanism
     shapes = {name: body.shape for name, body in mechanism.bodies.items() if name != GROUND}

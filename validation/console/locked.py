@@ -51,7 +51,7 @@ def add(root: Path, names: Iterable[str]) -> list[str]:
 
 
 def locked_packages(lock: str) -> Locked:
-    """Requirement and lines of each package of a lock file, by name."""
+    """Requirement and lines of each package, by name, from the text `lock` of a lock file."""
     packages: dict[str, tuple[Requirement, str]] = {}
     for lines in re.split(r"\n(?=[A-Za-z0-9])", lock):
         if re.match(r"[A-Za-z0-9]", lines):

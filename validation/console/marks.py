@@ -2,8 +2,8 @@
 
 Input: content of a result file. Output: content with a mark, and a test for it. Rule: the mark is a
 comment with a digest of the rest of the file, so a file of the user, or an edited result, has no
-valid mark. CSV has no comments: a table is marked by CR LF at the end of its first line only, which
-all readers accept, and editors and spreadsheets change.
+valid mark. CSV has no comments: a table is marked by CR LF at the end of its first line only. All
+readers accept this mark; editors and spreadsheets remove it when they change the file.
 """
 
 import zlib

@@ -135,7 +135,11 @@ def _seconds(mechanism: "Mechanism", body: str | None, modes: int) -> float:
 def _content(
     robot_file: "RobotFile", to: str, pose: str | None, body: str | None, count: int, ending: str
 ) -> bytes:
-    """Bytes of the exported file, computed in a separate process."""
+    """Bytes of the exported file. Runs in a separate process.
+
+    `to`, `pose` and `body` are options of `export`. `count`: number of frequencies for which the
+    model is accurate. `ending`: suffix of the file, such as ".mat".
+    """
     from lumped.mechanism.kinematics.postures import posture, reference_posture  # noqa: PLC0415
     from validation.export import formats, reduced  # noqa: PLC0415
     from validation.kinematics.poses import parsed_pose  # noqa: PLC0415

@@ -118,7 +118,7 @@ _PART_FILES: Mapping[str, str] = {
 
 
 def export_mechanism(mechanism: Mechanism, preset: Preset, folder: Path) -> None:
-    """Write all distinct legs and CAD parts, the mechanism as beams, and its deck to `folder`.
+    """Write distinct legs, CAD parts, the mechanism as beams and a CalculiX deck to `folder`.
 
     The pose is the middle one of the path. A mechanism with CAD parts is not written as beams.
     There is no deck if the mechanism has CAD parts or legs of varying section. Raises InputError if

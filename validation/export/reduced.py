@@ -50,7 +50,7 @@ class Reduced:
 
     `ports`: matrices by name from q to twists (6×n) or to displacements of drives (1×n). `points`
     (3, m): points of the twists. `about`: text on the axes and on the end conditions of the
-    `frequencies` (m, Hz, ascending). These are too high by at most `bounds` (m, Hz). `counted`: for
+    `frequencies` (k, Hz, ascending). These are too high by at most `bounds` (k, Hz). `counted`: for
     each body, the number of modes with all interfaces fixed and the frequency (Hz) below which all
     of them are kept.
     """

@@ -195,7 +195,10 @@ def _under_load(mechanism: Mechanism, result: LoadForces, widths: Array) -> Forc
 
 
 def _force_model(model: ModelName, options: ModelOptions) -> Model:
-    """Model whose forces depend on two fields of a reading: `elements` and `part_mesh`."""
+    """Model whose forces depend on two fields of a `Reading`: `elements` and `part_mesh`.
+
+    These are a factor on the element count and the mesh level of CAD parts.
+    """
     return Model(
         model,
         forces=partial(_solved_forces, model, options),
@@ -206,7 +209,7 @@ def _force_model(model: ModelName, options: ModelOptions) -> Model:
 def _solved_forces(
     model: ModelName, options: ModelOptions, robot: RobotOnPath, reading: Reading
 ) -> PathForces:
-    """Forces of a robot by a model, under a reading.
+    """Forces of a robot by a model, with the element count and part meshes that `reading` selects.
 
     Each coarser level of the meshes of CAD parts has half as many unknowns.
     """

@@ -70,6 +70,7 @@ class Solid:
     """Surface of a body or symbol of a joint, in base axes.
 
     It moves rigidly with the interface `carrier`, which is None for a leg or CAD part that deforms.
+    `matter`: kind of body or joint, which sets the colour.
     """
 
     name: str

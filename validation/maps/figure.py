@@ -58,6 +58,9 @@ figures = FigureGroup(PATH, SHARED_SOLIDS)
 class WorkspaceMaps:
     """Maps over the workspace of a robot: quantities with their values and worst postures.
 
+    `space`: postures on the grid. `maps`: for each map, its quantity, the values at the grid points
+    and the worst posture.
+
     Examples
     --------
     >>> grid = {"from": [-0.2, 0.4], "to": [0.2, 0.5], "counts": [3, 2]}
@@ -193,7 +196,11 @@ def maps(context: Context) -> Chart:
 
 
 def _panels(space: Workspace, names: Sequence[str], maps: Sequence[Map]) -> list[Panel]:
-    """Panels row by row: one row for two varied coordinates, a row for each slice for three."""
+    """Panels row by row. Each row has a panel for each map.
+
+    If two coordinates vary, there is one row; if three vary, there is a row for each slice.
+    `names`: names of the varied coordinates with their units.
+    """
     x, y, *third = space.axes
     slices: list[Indices] = [()]
     if third:
@@ -250,7 +257,10 @@ def _caption(space: Workspace, maps: Sequence[Map]) -> str:
 
 
 def _table(space: Workspace, names: Sequence[str], maps: Sequence[Map]) -> dict[str, Column]:
-    """Columns of data: all poses of the grid with their values, followed by the worst postures."""
+    """Columns of data: all poses of the grid with their values, followed by the worst postures.
+
+    `names`: names of the varied coordinates with their units.
+    """
     poses = [space.pose(indices) for indices in np.ndindex(*space.shape)]
     poses += [worst.pose for *_, worst in maps]
     kinds = ["grid"] * (len(poses) - len(maps)) + [f"worst {mapped.title}" for mapped, *_ in maps]

@@ -327,9 +327,10 @@ def _comparison(predictions: Predictions, name: str, measured: Measured) -> Comp
 
 
 def _required(value: float | None, changed: str) -> float:
-    """`value` of a model with the change `changed`. Raises ComputationError if it is None.
+    """Value of a model after a change. Raises ComputationError if `value` is None.
 
-    Without this check, a missing value would count as an uncertainty of zero or of 100 %.
+    `changed`: text on the change, for the message. Without this check, a missing value would count
+    as an uncertainty of zero or of 100 %.
     """
     if value is None:
         raise ComputationError(f"uncertainty unknown: the model has no solution with {changed}")

@@ -65,7 +65,8 @@ def _trend(
 ) -> Measurement:
     """Spearman's rank correlation of a curve with α, as a measurement.
 
-    +1 if the curve rises throughout, −1 if it falls throughout, 0 if it is constant.
+    +1 if the curve rises throughout, −1 if it falls throughout, 0 if it is constant. `reference`:
+    correlation that the paper's statement claims.
     """
     steps = np.round(curve / (_EQUAL * np.max(np.abs(curve))))
     value = 0.0 if np.ptp(steps) <= 1.0 else spearman(np.array(ALPHAS), steps)
@@ -244,7 +245,7 @@ def _shorter_is_best(
     variant: ModelOptions,
     objective: Literal["deflection", "frequency"] = "deflection",
 ) -> Measurement:
-    """Best leg length α by the refined model.
+    """Best leg length α by the refined model (VJM for deflections, segments for frequencies).
 
     The reference is the best α by the simplified model, less one step of α. The best robot has the
     highest first frequency if `objective` is "frequency". Otherwise it is the robot whose largest

@@ -21,8 +21,9 @@ def identified_plot(
 ) -> Figure:
     """Plot of relative uncertainties (%): compliances to the left, frequencies to the right.
 
-    `compliances` and `frequencies` have two numbers in each row: half-width due to the meshes, and
-    change from rigid to averaged interfaces. NaN if unknown.
+    Rows of `compliances` (c×2) belong to the names `components`, rows of `frequencies` (m×2) to the
+    names `modes`. Columns: half-width due to the meshes, and change from rigid to averaged
+    interfaces. NaN if unknown.
     """
     quantities = [
         (title, names, values)

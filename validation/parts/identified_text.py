@@ -159,7 +159,8 @@ def _frequencies(identified: Identified) -> list[str]:
 def toml(identified: Identified) -> str:
     """TOML table for a robot file of schema 2, with the part as a leg specified by its 6×6.
 
-    If the part does not have exactly two interfaces, a TOML comment that names the alternatives.
+    If the part does not have exactly two interfaces, the result is a TOML comment that names the
+    alternatives.
     """
     name = identified.part.path.stem
     if len(identified.interfaces) != 2:

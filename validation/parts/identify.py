@@ -223,7 +223,10 @@ class Identified:
 
 
 def _in_percent(values: Array, *parts: Array) -> Array:
-    """Uncertainties (n×k) in per cent of n values, from `parts`: n numbers for each of k kinds."""
+    """Uncertainties (n×k) of k kinds in per cent of n `values`.
+
+    `parts`: for each kind, the n uncertainties in the units of the values.
+    """
     return 100.0 * np.column_stack([part / values for part in parts])
 
 
@@ -399,7 +402,7 @@ def _answer(
 
 
 def _count(answer: MeshAnswer) -> dict[str, Any]:
-    """Fields `counted` and `counted_below` by name. Empty if modes were not counted."""
+    """Fields `counted` and `counted_below` of `Identified`. {} if modes were not counted."""
     if answer.counted is None:
         return {}
     return {"counted": answer.counted, "counted_below": answer.counted_below}

@@ -91,7 +91,8 @@ def part_mesh(
 ) -> PartMesh:
     """Mesh of a part at one of three levels, the finest with about `unknowns` unknowns.
 
-    If the part's file is a mesh, this mesh. Raises InputError if gmsh cannot mesh the part.
+    If the file of the part is a mesh, the result is that mesh. Raises InputError if gmsh cannot
+    mesh the part.
     """
     if part.mesh is not None:
         return part.mesh

@@ -236,7 +236,10 @@ def _bound_text(agreeing: Sequence[Outcome]) -> str:
 def _largest_part(
     outcomes: Iterable[Outcome], part: Callable[[AgreementRow], float]
 ) -> tuple[Outcome, AgreementRow]:
-    """Comparison with the largest value of the function `part` of its row, and this row."""
+    """Comparison whose agreement row has the largest value of `part`, and this row.
+
+    `part`: function that returns a number of the row, such as its unexplained difference.
+    """
     compared = [(outcome, agreement_row(outcome)) for outcome in outcomes if outcome.measurement]
     return max(compared, key=lambda pair: part(pair[1]))
 
@@ -394,7 +397,7 @@ def _part_table(outcome: Outcome) -> AgreementTable:
 def _solid(quantity: str, outcomes: Sequence[Outcome]) -> str:
     """Text with the solid's value of a quantity. "" if the solid was not solved.
 
-    The value is a compliance (SI, with a prefix for powers of ten) or a frequency (Hz).
+    The value is a compliance (SI unit with a prefix such as µ) or a frequency (Hz).
     """
     for outcome in outcomes:
         if outcome.case.label == quantity and outcome.measurement is not None:

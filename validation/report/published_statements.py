@@ -26,8 +26,9 @@ _YES = {True: "yes", False: "no"}
 class StatementCell:
     """Table cell for a statement in one form, as printed or as corrected.
 
-    `text`: value of its only curve, or "3 of 4 curves" if it holds for three of four. `verdict`
-    sets the colour. `hint`: all values, displayed beside the mouse pointer.
+    A statement is checked on one or several curves. `text`: value of the only curve, or "3 of 4
+    curves" if the statement holds for three of four. `verdict` sets the colour. `hint`: values of
+    all curves, displayed beside the mouse pointer.
     """
 
     text: str
@@ -54,7 +55,7 @@ class StatementTable:
 
     @property
     def summary(self) -> str:
-        """Sentence with the number of statements for each standing."""
+        """Sentence with the number of statements for each standing (see `rows`)."""
         return summary(self.claims)
 
     @property

@@ -167,10 +167,11 @@ def _largest_error_text(entries: Sequence[Entry]) -> str:
 
 
 def models_to_use(matrix: Matrix) -> list[tuple[str, set[Quantity]]]:
-    """Models that together cover all quantities with an adequate model, each with its quantities.
+    """Models that together are adequate for every quantity for which any model is adequate.
 
-    Each step chooses the model that is adequate for most of the remaining quantities. Of several
-    such models, it chooses the first in the order of the matrix.
+    Each model is listed with the quantities for which it was chosen. Each step chooses the model
+    that is adequate for most of the remaining quantities. Of several such models, it chooses the
+    first in the order of the matrix.
     """
     adequate = {
         note.model: {e.quantity for e in matrix.of_model(note.model) if e.verdict == "adequate"}

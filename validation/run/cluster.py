@@ -403,7 +403,7 @@ class _SentCalls:
         return None
 
     def _result(self, reply: Reply) -> Any:
-        """Value or error of a call. Remarks of its computation are repeated in this process."""
+        """Value or error of a call. Its remarks (warnings) are issued again in this process."""
         if isinstance(reply.answer, DifferentProgram):
             reason = _difference_text(f"{reply.name} ({reply.worker})", str(reply.answer))
             raise self._failure(reason) from reply.answer

@@ -287,7 +287,7 @@ def _table_block(heading: str, columns: Sequence[str], rows: Sequence[Sequence[s
 
 
 def same_pose(first: tuple[float, ...], second: tuple[float, ...]) -> bool:
-    """True if two poses are equal up to round-off, or if one of them is unknown."""
+    """True if two poses are equal up to round-off, or if one of them is unknown, that is ()."""
     if not (first and second):
         return True
     return len(first) == len(second) and all(

@@ -170,7 +170,10 @@ def on_cores(
 
 @dataclass
 class _Worker:
-    """A process with its remaining calls. A busy process computes the first of them."""
+    """A process with its remaining calls. A busy process computes the first of them.
+
+    `begun`: True once the process has started and can compute calls.
+    """
 
     interpreter: Interpreter
     todo: deque[tuple[Any, Call]]

@@ -102,12 +102,18 @@ def files_of(folder: Path) -> dict[str, str]:
 
 
 def sealed(run: str, content: bytes) -> bytes:
-    """Line of JSON with a seal over `run` and `content`, so that changes are detected."""
+    """Line of JSON with a seal over `run` and `content`, so that changes are detected.
+
+    `run`: identity of the run (`Mark.run`). `content`: JSON object without the seal.
+    """
     return _SEAL + digest(run.encode() + content).encode() + b'", ' + content[1:]
 
 
 def unsealed(run: str, line: bytes) -> dict[str, Any] | None:
-    """Data in a line of the records. None if the line is damaged, changed, or of another run."""
+    """Data in a line of the records. None if the line is damaged, changed, or of another run.
+
+    `run`: identity of the run (`Mark.run`).
+    """
     content = b"{" + line[len(_SEAL) + 35 :]
     if line != sealed(run, content):
         return None
@@ -307,7 +313,11 @@ def _require_ours(path: Path, target: Path, partial: Path) -> None:
 
 
 def _folder_to_resume(path: Path, target: Path, partial: Path, mark: Mark) -> Path:
-    """Folder of the run to resume. Raises InputError if there is none with the same input."""
+    """Folder of the run to resume: `partial` (DIR.partial) if it has a run, else `target` (DIR).
+
+    `path`: DIR as typed by the user, for messages. `mark`: mark of the requested run. Raises
+    InputError if neither folder has a run, or if the run has another input.
+    """
     former = next((folder for folder in (partial, target) if is_run(folder)), None)
     if former is None:
         raise InputError(f"--resume: {path} contains no run that can be resumed")
@@ -332,7 +342,10 @@ def _folder_to_resume(path: Path, target: Path, partial: Path, mark: Mark) -> Pa
 
 
 def _require_space(path: Path, target: Path) -> None:
-    """Raise InputError if there is no disk space for a second run as large as the earlier one."""
+    """Raise InputError if there is no disk space for a second run as large as that in `target`.
+
+    `path`: the folder as typed by the user, for the message.
+    """
     needed = sum((target / name).stat().st_size for name in files_of(target))
     free_bytes = shutil.disk_usage(target).free
     if free_bytes < needed:
@@ -357,8 +370,8 @@ def _file_locks() -> ModuleType:
 def _locked(path: Path, folder: Path) -> Iterator[None]:
     """Context with the lock of a run's folder, which other processes then cannot use.
 
-    The lock file moves with the folder; the folder of a finished run has none. Raises InputError if
-    another run has the lock.
+    The lock file moves with the folder; the folder of a finished run has none. `path`: DIR as typed
+    by the user, for messages. Raises InputError if another run has the lock.
     """
     lock_path, locks = folder / LOCK, _file_locks()
     with _input_errors(path), ExitStack() as stack:
@@ -393,6 +406,7 @@ def _locked(path: Path, folder: Path) -> Iterator[None]:
 def _finish_interrupted(path: Path, target: Path, partial: Path) -> list[str]:
     """Finish the steps of a completed run that a kill interrupted.
 
+    `target` is DIR, `partial` is DIR.partial, and `path` is DIR as typed by the user, for messages.
     Returns remarks on renamed files.
     """
     if is_folder(partial / EARLIER) and not target.exists():

@@ -61,7 +61,10 @@ _FEWEST_GRIDS = 2
 
 
 def section_of(leg: SectionedLeg) -> Section:
-    """Section of a leg that is meshed: that of a prism, or the middle one of a varying section."""
+    """Section from which a leg is meshed.
+
+    It is the section of a prism, or that in the middle of a leg whose section varies.
+    """
     return mesh_section(leg) if isinstance(leg, LineLeg) else leg.section
 
 
@@ -177,8 +180,9 @@ def slices(leg: ConstantLeg, divisions: int) -> int:
 
 
 def static_slices(leg: ConstantLeg, divisions: int) -> int:
-    """Number of slices along the leg for the doubling method, whose cost grows with its logarithm.
+    """Number of slices along the leg for the doubling method (`fem.bodies.doubling`).
 
+    The method joins equal pieces in pairs, so its cost grows with the logarithm of the number.
     Slices are so thin that stresses at a rigid face decay over many slices. Only the error of the
     section mesh then remains.
     """
@@ -191,7 +195,10 @@ def face_mesh(leg: ConstantLeg, divisions: int) -> SectionMesh:
 
 
 def doubled_unknowns(leg: ConstantLeg, divisions: int) -> int:
-    """Number of unknowns of the mesh that the doubling method condenses to the ends."""
+    """Number of unknowns of the mesh that the doubling method condenses to the ends of a leg.
+
+    The method joins equal pieces of the leg in pairs (`fem.bodies.doubling`).
+    """
     return 3 * len(face_mesh(leg, divisions).nodes) * (2 * static_slices(leg, divisions) + 1)
 
 

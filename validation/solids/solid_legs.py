@@ -190,7 +190,7 @@ def decay_of_warping(leg: ConstantLeg, divisions: int) -> float:
 def solid_compliances(leg: ConstantLeg, divisions: tuple[int, ...]) -> dict[Ends, Refinement]:
     """Tip compliances (m×6×6, SI, leg axes), with rigid and with free ends, on m meshes.
 
-    They are computed by the doubling method.
+    They are computed by the doubling method (`fem.bodies.doubling`).
 
     Shapes: m meshes.
     """
@@ -319,7 +319,7 @@ class TwoMeshes:
 
 
 def two_meshes(leg: ConstantLeg, most: int) -> TwoMeshes:
-    """Tip compliances of a leg by the doubling method on the meshes of `mesh_pair`."""
+    """Tip compliances of a leg on the meshes of `mesh_pair`, by `fem.bodies.doubling`."""
     coarse, fine = mesh_pair(leg, most)
     with naming(leg.name):
         return TwoMeshes(

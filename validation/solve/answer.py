@@ -65,7 +65,7 @@ class Place(msgspec.Struct, frozen=True, omit_defaults=True, kw_only=True):
 
     @property
     def axes(self) -> str:
-        """Text with the axes of the compliance, and for all but a leg its point of reference."""
+        """Text with the axes of the compliance and, unless it is of a leg, its reference point."""
         if self.leg is not None:
             return "leg axes"
         if self.body is not None:

@@ -72,7 +72,7 @@ def solid_cost(legs: Sequence[SectionedLeg], divisions: int, modes: int) -> Cost
 
 
 def dense_cost(unknowns: int, postures: int) -> Cost:
-    """Cost of compliance and modes of a dense model in a number of postures."""
+    """Cost of `postures` solutions of compliance and modes with dense matrices."""
     n = float(unknowns)
     seconds = postures * _DENSE_FLOPS * n**3 / _FLOPS_PER_SECOND
     return Cost(n, 8.0 * _DENSE_COPIES * n**2, seconds)

@@ -97,7 +97,10 @@ class Condition:
 
 @dataclass(frozen=True)
 class Purpose:
-    """Quantity to be minimised or maximised, None if only conditions count, and the conditions."""
+    """Quantity to be minimised or maximised (`objective`), and conditions to be met.
+
+    `objective` is None if only the conditions count.
+    """
 
     objective: DesignQuantity | None
     maximised: bool

@@ -101,7 +101,8 @@ def loads_plot(
 def _marks_of_loads(quantities: Sequence[tuple[str, Mapping[str, Array], Scale]]) -> Figure:
     """Plot with a row for each load and a logarithmic axis for each quantity.
 
-    `quantities`: title, values by load, and an unused scale. Zero and NaN have no mark.
+    `quantities`: title, values by load, and a scale that only the curves of `loads_plot` use. Zero
+    and NaN have no mark.
     """
     names = list(quantities[0][1])
     rows = np.arange(len(names), 0, -1)

@@ -1,8 +1,9 @@
 """The model of a request to `solve`, which `Responses` solves under readings of the robot file.
 
 Input: a `Question`. Output: a `Model` of the robot in the requested poses, or of one of its bodies.
-Rule: the fields `part_mesh` and `ends` of a reading select mesh and coupling of CAD parts as
-solids. If modes are requested, statics use the systems of the modes.
+Rule: the fields `part_mesh` and `ends` of a `Reading` (an interpretation of the file and a choice
+of meshes) select mesh and coupling of CAD parts as solids. If modes are requested, statics use the
+systems of the modes.
 """
 
 from collections.abc import Callable, Sequence
@@ -157,13 +158,13 @@ def _first_modes(
 
 
 def _close(frequencies: Array, count: int) -> int:
-    """Number of modes up to the last one of nearly the same frequency (Hz) as mode `count`."""
+    """Number of modes whose frequency (Hz) is at most slightly above that of mode `count`."""
     limit = _CLOSE * frequencies[:count].max(initial=0.0)
     return int(np.sum(frequencies <= limit))
 
 
 def _part_mesh(robot: RobotOnPath, reading: Reading) -> PartMeshing:
-    """Mesh level and coupling of CAD parts in `reading`."""
+    """Mesh level of CAD parts and coupling of their interfaces, from a `reading` of the file."""
     if not robot.mechanism.parts:
         return FINE_PARTS
     free = "free" in reading.ends.values()

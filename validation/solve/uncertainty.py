@@ -67,7 +67,7 @@ class SolvedQuestion:
 
     @cached_property
     def reading(self) -> Reading:
-        """Reading under which the question is solved.
+        """Interpretation of the robot file, and meshes, with which the question is solved.
 
         CAD parts have rigid interfaces and their finest mesh.
         """
@@ -153,8 +153,9 @@ def _half_widths(
 ) -> list[HalfWidths]:
     """Half-widths of compliance, frequencies and displacements due to one kind of mesh.
 
-    `mesh_model`: function that returns model and reading for each of the mesh `levels`. If `policy`
-    is a number, it is the relative half-width itself, and no mesh is solved.
+    `mesh_model`: function that returns, for each of the mesh `levels`, the model and the `Reading`
+    (interpretation of the robot file and choice of meshes) to be solved. If `policy` is a number,
+    it is the relative half-width itself, and no mesh is solved.
     """
     responses, statics, modes = solved.responses, solved.statics, solved.modes
 

@@ -234,8 +234,9 @@ def stored_robots(robot_file: RobotFile, variation: Variation, preset: Preset) -
 class VariedCurves:
     """Deflections or frequencies by all models over the n values of a variation.
 
-    `compared`: compliances (SI) or frequencies (Hz) in the middle of the path, in `poses` (n×m).
-    `decision`: extremes over the whole path, from which each model chooses the best value.
+    `compared`: compliances (SI) or frequencies (Hz) in the middle of the path, in `poses` (n×m for
+    m coordinates of a pose). `decision`: extremes over the whole path, from which each model
+    chooses the best value.
     """
 
     poses: Array

@@ -116,8 +116,9 @@ def _numbers(values: Sequence[float | None]) -> Array:
 
 
 def _error_ranges(entry: Entry) -> Array:
-    """Distances (2×p) from each pose's error down to its lowest and up to its highest value.
+    """Distances (2×p) from the error in each pose to both ends of its uncertainty interval.
 
+    The first row is the distance down to `lows` of the entry, the second row that up to `highs`.
     Shapes: p poses.
     """
     errors, lows, highs = map(_numbers, (entry.errors, entry.lows, entry.highs))

@@ -109,11 +109,11 @@ def rails(system: System) -> Iterator[Wire]:
 
 
 def compared_points(system: System, unknowns: Array) -> tuple[Array, Array]:
-    """Points of all legs and CAD parts (m, base axes) and their displacements (base axes).
+    """Points (p×3) of all legs and CAD parts, and the displacements of the points (base axes).
 
-    There are `COMPARED_POINTS` of each body. They lie on the centreline of a leg, and in a row from
-    the first interface of a part to its last. The displacements of the m points have the shape m×3
-    if `unknowns` has the shape n, and m×3×k if it has the shape n×k.
+    Each body has `COMPARED_POINTS` points. They lie on the centreline of a leg, and in a row from
+    the first interface of a part to its last. The displacements of the p points have the shape p×3
+    if `unknowns` has the shape n, and p×3×k if it has the shape n×k.
     """
     mechanism = system.posture.mechanism
     points_by_body: dict[str, Array] = {}

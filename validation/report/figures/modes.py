@@ -85,11 +85,11 @@ def _middle_posture(postures: Sequence[Posture]) -> Posture:
 def _modes_with_solid_parts(
     postures: tuple[Posture, ...], modes_of_run: int, count: int
 ) -> PostureModes:
-    """First `count` modes with CAD parts as solids, under the first end condition of the file.
+    """First `count` modes in the middle one of `postures`, with CAD parts as solids.
 
-    If the file leaves the end condition open, interfaces are rigid. `modes_of_run`: number of modes
-    that the run computes. It determines the frequency up to which reduced parts are accurate; modes
-    above it are omitted.
+    The end conditions are those of the robot file, otherwise rigid interfaces. `modes_of_run`:
+    number of modes that the run computes. It determines the frequency up to which reduced parts are
+    accurate; modes above it are omitted.
     """
     middle, mechanism = _middle_posture(postures), postures[0].mechanism
     parts = solid_parts(postures, modes_of_run, holding(mechanism).first)

@@ -99,7 +99,7 @@ def _chart(
     """Chart of magnitude and phase (−270° to 90°) of receptances (m/N) over frequencies x (Hz).
 
     `size_ranges`: lowest and highest magnitude (2×n, µm/N) at each of n frequencies, by name of the
-    receptance. Receptances without an uncertainty are missing.
+    receptance. Receptances without an uncertainty are missing. `phases`: scale of the phase axis.
     """
     size, phase, intervals = "magnitude (µm/N)", "phase (°)", size_ranges or {}
     sizes = [
