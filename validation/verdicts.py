@@ -190,12 +190,11 @@ class Matrix:
     `coordinates`: the n coordinates that a pose prescribes. `poses` (p×n): all poses of the path.
     `notes`: facts to be displayed with the matrix. `supposed`: assumption behind verdicts on
     frequencies. `parts`: matrices of each leg alone with its root clamped, whose `robot` is the
-    leg's name. `formulation`: if models use legs that differ from the robot's, the matrix of their
-    comparison with solids of those legs; an error of a model that is absent from this second matrix
-    is due to the legs, not to the model.
-    `faults`: names of the models, and of other computations, that ended with an error of the
-    program; an entry that is undecided for this reason is no statement about the robot. Shapes:
-    p poses, n coordinates.
+    leg's name. `formulation`: second matrix, in which models are compared with solids of the legs
+    that the models use; None if these are the robot's legs. An error that the second matrix lacks
+    is due to the legs, not to the model. `faults`: names of the models, and of other computations,
+    that ended with an error of the program; an entry that is undecided for this reason is no
+    statement about the robot. Shapes: p poses, n coordinates.
     """
 
     robot: str

@@ -436,8 +436,9 @@ def _distorted(leg: ConstantLeg, divisions: int, mode: CantileverFrequency) -> f
 def _warping_waves(leg: ConstantLeg, order: int) -> float:
     """Estimated factor by which warping changes a torsional frequency of Saint-Venant's theory.
 
-    It is a product of two factors: that of the 3-D wave of this length in an endless leg, and that
-    of the tip face, which is free of the normal stress of that wave (Reissner's theory).
+    `order`: number of the torsional mode, from 1. The factor is a product of two factors: that of
+    the 3-D wave of this length in an endless leg, and that of the tip face, which is free of the
+    normal stress of that wave (Reissner's theory).
     """
     wave_number = _wave_number(leg, order)
     constants, material = leg_constants(leg, WAVE_DIVISIONS), leg.material

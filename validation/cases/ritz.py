@@ -104,7 +104,10 @@ def compliance(
 def frequencies(
     posture: Posture, count: int, theory: Theory = "timoshenko", degree: int = DEGREE
 ) -> Array:
-    """First natural frequencies (Hz, ascending) without idle motions, with prisms as beams."""
+    """First natural frequencies (Hz, ascending) without idle motions.
+
+    Prisms are beams of `theory`, represented by polynomials of this `degree`.
+    """
     legs = {name: _beam(shape, theory, degree) for name, shape in _legs(posture.mechanism)}
     return _frequencies(_system(posture, legs), count)
 

@@ -179,7 +179,11 @@ def _draw_series(
 
 
 def _draw_bars(axes: Axes, panel: Panel, positions: Array, fills: Mapping[str, str]) -> None:
-    """Draw stacked bars. Vertical bars have names and numbers if there are few of them."""
+    """Draw the stacked bars of a panel, centred at `positions`.
+
+    Vertical bars have names and numbers if there are few of them. `fills`: colour of each part of
+    the bars, by its label.
+    """
     if not panel.bars:
         return
     count = len(positions)

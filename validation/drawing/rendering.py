@@ -165,7 +165,10 @@ def _add_body(plotter: Any, body: DrawnBody, limits: tuple[float, float]) -> Non
 
 
 def _draw_scene(axes: Axes, scene: Scene, size: tuple[int, int]) -> None:
-    """Draw a scene with marks, arrows, coordinate triad and labels, without frame and ticks."""
+    """Draw a scene with marks, arrows, coordinate triad and labels, without frame and ticks.
+
+    `size`: width and height of the picture (pixels).
+    """
     view = scene.view(size)
     axes.imshow(render(scene, view), interpolation="antialiased")
     for marks in scene.marks:

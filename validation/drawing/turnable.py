@@ -93,7 +93,7 @@ class _Numbers:
         return common | {"faces": self.add(part.surface.faces, "<u4")}
 
     def steps(self, lengths: Array) -> dict[str, Any]:
-        """Lengths (m) encoded as 16-bit multiples of a step."""
+        """Header of lengths (m). They are appended to the content as 16-bit multiples of a step."""
         step = float(np.abs(lengths).max(initial=1e-300)) / np.iinfo(np.int16).max
         return {"step": step, "values": self.add(np.round(lengths / step), "<i2")}
 

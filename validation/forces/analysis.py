@@ -226,7 +226,10 @@ def _solved_forces(
 def _mesh_studies(
     robot: RobotOnPath, model: Model, options: ModelOptions, *, part_meshes: bool
 ) -> Iterator[MeshStudy]:
-    """Studies of each kind of mesh that affects forces: segments, solid legs and CAD parts."""
+    """Studies of each kind of mesh that affects forces: segments, solid legs and CAD parts.
+
+    CAD parts are omitted unless `part_meshes`.
+    """
     mechanism = robot.mechanism
     if model.name == "segments":
         order = _HALF if options.layout == "half" else _LITERAL
@@ -255,11 +258,11 @@ def _count(rows: PathForces) -> int:
 
 
 def _changes(rows: PathForces, first: PathForces, second: PathForces) -> Array:
-    """Magnitudes (P×L×n×6, N and N m) of the changes of forces between two solutions.
+    """Magnitudes (P×L×n×6, N and N m) of the changes of forces from solution `first` to `second`.
 
-    The first of the n rows are changes of the joints' wrenches. Each of the others contains the
-    largest changes of a leg's section forces, compared at the stations of the solution `rows`. Zero
-    if there is no solution. Shapes: P poses, L loads, n joints and legs.
+    The n rows are the joints, then the legs. The row of a joint contains the changes of its wrench,
+    that of a leg the largest changes of its section forces, compared at the stations of a third
+    solution, `rows`. Zero if there is no solution. Shapes: P poses, L loads, n joints and legs.
     """
     count = _count(rows)
     changes = [

@@ -182,7 +182,7 @@ def workspace_maps(context: Context) -> WorkspaceMaps:
 
 
 def _values_at(responses: Responses, mapped: MappedQuantity, postures: Sequence[Posture]) -> Array:
-    """Values of a mapped quantity in `postures`, which need not be on the path."""
+    """Values of a mapped quantity, one for each of `postures`, which need not be on the path."""
     return mapped.values(responses.at(postures))
 
 

@@ -61,9 +61,9 @@ class MappedQuantity:
 
 
 def mapped_quantities(responses: Responses, requirement: Requirement) -> list[MappedQuantity]:
-    """Mapped quantities that can be solved for a robot without loads, in the postures of its path.
+    """Mapped quantities of a robot without loads, as far as they can be solved on its path.
 
-    Stiffness and error are those of the mapped model (rule in the docstring of this module).
+    The module docstring has the rule for the model whose stiffness and error are mapped.
     `responses` must be strict: they raise the errors of solutions instead of recording them.
     """
     robot = responses.robot
@@ -193,7 +193,10 @@ def _first_frequency(model: Model, responses: Responses) -> Array:
 
 
 def _error(model: Model, references: References, responses: Responses) -> Array:
-    """Largest error (%) of the displacement under any force, against all references."""
+    """Largest error (p, %) of the displacement under any force, against all references.
+
+    Shapes: p postures.
+    """
     statics = responses.required_statics(model, NOMINAL)
     solved = [responses.required_statics(*reference) for reference in references]
     sizes = [relative(statics - reference, reference, ANY_FORCE).size for reference in solved]

@@ -91,7 +91,10 @@ def workspace(mechanism: Mechanism, max_poses: int) -> Workspace:
 
 
 def grid_values(space: Workspace, solve: Solve) -> Array:
-    """Values at all points of the grid. NaN for poses out of reach or that cannot be solved."""
+    """Values at all points of the grid, as an array with an axis for each varied coordinate.
+
+    NaN for poses that are out of reach or cannot be solved.
+    """
     values = np.full(space.shape, np.nan)
     postures = list(space.postures.values())
     try:

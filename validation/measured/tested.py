@@ -311,9 +311,10 @@ def _with_poles(
 ) -> tuple[Any, int]:
     """Model of sdypy-EMA with the poles of all polynomial orders, and the highest order.
 
-    Measurements without noise leave the equations of high orders singular, on some processors
-    exactly. The highest order is the last one with regular equations. Raises InputError if it is
-    below `_FEWEST_ORDERS`.
+    `functions` (p×n): mobilities at n `frequencies` (Hz). `band`: lowest and highest frequency (Hz)
+    of the poles. Measurements without noise leave the equations of high orders singular, on some
+    processors exactly. The highest order is the last one with regular equations. Raises InputError
+    if it is below `_FEWEST_ORDERS`.
     """
     # Imported here because it loads matplotlib, which files without functions do not need.
     from sdypy.EMA import Model  # noqa: PLC0415
@@ -337,8 +338,9 @@ def _with_poles(
 def _stable_poles(poles: list[ComplexArray], band: Array) -> tuple[list[int], list[list[float]]]:
     """Indices of stable poles among those of the highest order, and their scatter.
 
-    A pole is stable if it recurs at most of the high orders. Scatter: standard deviations of
-    frequency (Hz) and damping ratio over these orders.
+    `poles` (1/s): those of each polynomial order. `band` (2, rad/s): lowest and highest accepted
+    frequency. A pole is stable if it recurs at most of the high orders. Scatter: standard
+    deviations of frequency (Hz) and damping ratio over these orders.
     """
     upper_half = poles[len(poles) // 2 :]
     orders = [of_order[(of_order.imag > 0.0) & (of_order.real < 0.0)] for of_order in upper_half]

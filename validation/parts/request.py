@@ -49,7 +49,7 @@ def part_of(robot_file: RobotFile, body: str) -> Body:
 
 
 def interfaces_of(texts: Sequence[str]) -> tuple[dict[str, PartInterface], dict[str, Array]]:
-    """Interfaces from texts, by name, and the reference points that some of them specify.
+    """Interfaces from texts, and the reference points (3, m) that some texts specify, by name.
 
     Raises InputError with the faults of all texts.
     """

@@ -115,7 +115,7 @@ class ModeCluster:
     def known_number(self, frequencies: Array, explained: float = 0.0) -> KnownNumber:
         """Target frequency, and the frequency of the cluster that is farthest from it.
 
-        `frequencies`: frequencies (Hz) of all modes, ascending.
+        `frequencies`: frequencies (Hz) of all modes, ascending. `explained` as in `KnownNumber`.
         """
         cluster = frequencies[self.first - 1 : self.last]
         farthest = float(cluster[np.argmax(np.abs(cluster - self.target))])

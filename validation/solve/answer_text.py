@@ -264,7 +264,11 @@ def _part_lines(answer: Answer, parts: PartUncertainty) -> list[str]:
 
 
 def _share_lines(answer: Answer, half_widths: HalfWidths, digits: str = ".2g") -> list[str]:
-    """Lines with the relative half-widths (%) of diagonal compliances and frequencies."""
+    """Lines with the relative half-widths (%) of compliances, frequencies and displacements.
+
+    Compliances are the diagonal ones. Displacements are those under the loads of the robot file.
+    `digits`: format of the numbers.
+    """
     shares = 100.0 * half_widths.compliance / np.abs(np.diag(answer.compliance))
     lines = []
     if len(shares):

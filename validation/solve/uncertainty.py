@@ -140,7 +140,7 @@ def _displacements(statics: Statics) -> Array:
 
 
 def _lengths(displacements: Array) -> Array:
-    """Length of the translation or rotation to which each component belongs (P×6L)."""
+    """Length (P×6L) of the translation or rotation to which each of the `displacements` belongs."""
     sizes = np.linalg.norm(displacements.reshape(len(displacements), -1, 3), axis=2)
     return np.repeat(sizes, 3, axis=1)
 

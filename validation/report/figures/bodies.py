@@ -56,7 +56,7 @@ class DisplacedSolid:
 
     @property
     def sizes(self) -> Array:
-        """Length (n, m) of each point's displacement."""
+        """Length (m) of the displacement of each of n points."""
         return np.asarray(np.linalg.norm(self.displacements, axis=1))
 
     def body(self, factor: float, unit: float) -> DrawnBody:

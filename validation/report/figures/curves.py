@@ -107,7 +107,8 @@ def frequency_chart(
 ) -> Chart:
     """Chart of the first frequencies (p×k, Hz) over x (p), one panel each.
 
-    Shapes: p poses, k modes.
+    `label`: label of the x axis. The columns of `abscissa` are added to the table. Shapes: p poses,
+    k modes.
     """
     count = min(JUDGED_MODES, next(iter(compared.values.values())).shape[1])
     panels = [_panel(compared, x, mode, f"f{mode + 1} (Hz)", 1.0) for mode in range(count)]

@@ -59,7 +59,8 @@ def finite_elements(context: Context, count: int) -> PostureModes:
     """First `count` modes in the middle of the path, with prisms as beams and CAD parts as solids.
 
     Reduced models of CAD parts are accurate up to a certain frequency. Modes above it are omitted.
-    It lies above the first 2n modes if n modes are judged, and above the first eight in any case.
+    This frequency lies above the first 2n modes if n modes are judged, and always above the first
+    eight.
     """
     postures = path_postures(context)
     if postures[0].mechanism.parts:
