@@ -49,15 +49,15 @@ class DisplacementErrors:
 class ModePairing:
     """Data of the paired modes behind frequency errors (arrays of R interpretations by P poses).
 
-    `below`, `above`: distances from the error to the lowest and the highest error that other
-    partners give, if mixed shapes allow such partners. For the quantity "order of modes", they are
-    the distances to the errors with other mode numbers. `undecided`: true if the shapes do not show
-    whether the model has the mode. `local`: true if the mode is local to the cross-section of a
-    leg. `rigid_share`: share of the mode's kinetic energy in cross-sections and bodies that move as
-    rigid wholes. `mac`: modal assurance criterion (MAC) with the partner; without a partner, the
-    largest MAC with any mode of the model. `exchange_below`, `exchange_above`: further distances,
-    to the errors of modes that take this mode's number if the stiffness inside the legs lies
-    between those of two interpretations.
+    `below`, `above`: distances from the error down to the lowest and up to the highest error with
+    any partner that the shapes allow; zero if the shapes allow only one partner. For the quantity
+    "order of modes", they are the distances to the errors with other mode numbers. `undecided`:
+    true if the shapes do not show whether the model has the mode. `local`: true if the mode is
+    local to the cross-section of a leg. `rigid_share`: share of the mode's kinetic energy in
+    cross-sections and bodies that move as rigid wholes. `mac`: modal assurance criterion (MAC) with
+    the partner; without a partner, the largest MAC with any mode of the model. `exchange_below`,
+    `exchange_above`: further distances for a stiffness inside the legs that lies between those of
+    two interpretations: to the errors of other modes that can then have this mode's number.
     """
 
     below: Array
@@ -214,7 +214,7 @@ class Errors:
 
 
 def first_largest(sizes: Array) -> IntArray:
-    """Index of the largest number along the first axis.
+    """Index (…) of the largest of the numbers `sizes` (n×…) along the first axis.
 
     If several numbers equal the largest up to round-off, it is the index of the first of them.
     """
@@ -224,7 +224,7 @@ def first_largest(sizes: Array) -> IntArray:
 
 
 def verdicts_of(errors: Errors, limits: Array) -> list[Adequacy]:
-    """Verdict in each pose from the interval of errors and the limit (P).
+    """Verdict in each pose from the interval of errors and the accepted errors `limits` (P).
 
     The order of modes is judged for each interpretation alone, and is undecided if the verdicts
     differ. Array sizes: P poses.

@@ -253,7 +253,10 @@ def _expected_range(errors: Errors, pose: int) -> tuple[float, float]:
 
 
 def _errors_along_load(errors: Errors, rows: IntArray) -> tuple[float | None, ...]:
-    """Signed errors along the load in each pose. () for frequencies."""
+    """Signed errors along the load in each pose, None if missing. () for frequencies.
+
+    `rows` (P): index of the interpretation in each of P poses.
+    """
     if errors.displacement is None:
         return ()
     along = errors.displacement.along[rows, np.arange(len(rows))]

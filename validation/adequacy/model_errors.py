@@ -116,7 +116,8 @@ class ModelErrors:
         """Smallest relative error (P) against a displacement between those of two interpretations.
 
         `wrenches` (R×P×6) has one load for each of the R interpretations of the reference in P
-        poses. The result is the largest of the smallest errors under these loads.
+        poses. The smallest error is computed under each of these R loads, and the largest of the R
+        numbers is returned.
         """
         statics_pairs = self.statics(model)
         nearest = []
@@ -134,9 +135,9 @@ class ModelErrors:
         """Errors of frequency `number`, widened for all stiffnesses possible inside the legs.
 
         Interpretations that differ only in the stiffness inside the legs are the ends of a range.
-        Within the range, a mode has a frequency between those of its shape at the two ends. Since
-        frequencies of different shapes can cross, the mode with this `number` (index from 0) has
-        some frequency between those with this number at the ends, and may have another shape.
+        Within this range, frequencies of different shapes can cross, so that mode `number` (index
+        from 0) may have another shape than at the ends. Its frequency lies between those of mode
+        `number` at the two ends, and between those of its own shape at the two ends.
         """
         (low, high), spread, pairing = errors.bounds, errors.spread, errors.pairing
         poses = np.arange(low.shape[1])
@@ -345,9 +346,9 @@ class _MisplacedModes(NamedTuple):
 
     `numbers` (P×K): index of the model's mode for each mode of the reference. `mode` (P): index of
     the reference's mode whose misplacement causes the largest error. `frequency` (P, Hz): the
-    model's frequency with this index. `below`, `above` (P, Hz): distances from it to the
-    frequencies that determine the error if modes are paired otherwise, as far as mixed shapes
-    allow. Array sizes: P poses, K judged modes.
+    model's frequency with this index. `below`, `above` (P, Hz): distance from `frequency` down or
+    up to the frequency that determines the error if only modes count that are misplaced in every
+    pairing that mixed shapes allow. Array sizes: P poses, K judged modes.
     """
 
     numbers: IntArray

@@ -38,7 +38,8 @@ class Compared:
     differences from this interpretation, of all models and other interpretations; NaN if there is
     no number to compare. `uncertainties` (P×k, relative): half-widths of the reference's
     frequencies by name of the interpretation; empty for compliances. If legs are specified by their
-    6×6, these half-widths cover every plausible mass distribution and stiffness inside the legs.
+    6×6 compliance, these half-widths cover every plausible mass distribution and stiffness inside
+    the legs.
     """
 
     values: Mapping[str, Array]

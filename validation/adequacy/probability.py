@@ -230,9 +230,9 @@ def _change(below: Array, above: Array, draw: Array) -> Array:
     """Change of a number if an input changes by ξ = `draw` standard uncertainties.
 
     `below` and `above`: changes of the number at ξ = −1 and ξ = 1. Between them the change is g
-    ξ/(1 + c ξ), as of any linear response to the stiffness of one spring, or g ξ + h ξ²/2 if the
-    pole ξ = −1/c is too near. If `below` or `above` is NaN, the change is NaN on that side, from
-    |ξ| = `_LOST_FROM` on.
+    ξ/(1 + c ξ), the form of any linear response as a function of one spring's stiffness, or g ξ + h
+    ξ²/2 if the pole ξ = −1/c is too near. If `below` or `above` is NaN, the change is NaN on that
+    side, from |ξ| = `_LOST_FROM` on.
     """
     linear, square = _derivatives(below, above)
     bend = np.divide(-0.5 * square, linear, out=np.full_like(linear, np.inf), where=linear != 0.0)
@@ -249,8 +249,8 @@ def _derivatives(below: Array, above: Array) -> tuple[Array, Array]:
     """First and second derivative of a number with respect to the change ξ of an input.
 
     ξ is in units of the input's standard uncertainty. The number changes by `below` at ξ = −1 and
-    by `above` at ξ = 1. If one of the two changes is NaN, the number is taken as linear in ξ; if
-    both are, as constant.
+    by `above` at ξ = 1. `below`, `above` and the results have one shape. If one of the two changes
+    is NaN, the number is taken as linear in ξ; if both are, as constant.
     """
     below, above = (
         np.nan_to_num(np.where(np.isnan(change), -other, change))
@@ -289,7 +289,8 @@ def probability(
 ) -> Probability:
     """Probability of a `verdict` that was made with the inputs of the file.
 
-    `pose` is the index of the deciding pose.
+    `limit` is the accepted error, one number or one for each pose. `pose` is the index of the
+    deciding pose, which determined the verdict.
     """
     within, beyond = map(float, error.probabilities(limit))
     shares = error.shares(pose)
@@ -312,8 +313,9 @@ def _deciding_inputs(
 ) -> str:
     """Text on the inputs that must be known better for a verdict: one input, or several.
 
-    `keys` are the inputs in descending order of their share of the variance. "" if even all inputs
-    together do not decide it.
+    `limit` is the accepted error, one number or one for each pose. `keys` are the inputs in
+    descending order of their share of the variance. "" if even all inputs together do not decide
+    it.
     """
     relative = {slope.key: slope.relative for slope in error.slopes}
     column = 0 if verdict == "adequate" else 1

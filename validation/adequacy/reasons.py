@@ -1,4 +1,4 @@
-"""Reasons for verdicts as text: missing numbers, unknown shapes, misplaced modes, open readings.
+"""Reasons for verdicts as text: missing numbers, unknown shapes, misplaced modes, ambiguous files.
 
 Input: `Errors` of a quantity, the reference and the deciding pose. Output: text for the field
 `reason` of an entry, and the half-widths by source from which it follows.
@@ -39,7 +39,8 @@ def reason_of(
 ) -> str:
     """Reason why a `verdict` is not "adequate", or the information that would decide it.
 
-    "" if there is nothing to add to the number. `limits` (P): accepted error in each of P poses.
+    "" if there is nothing to add to the number. `position`: index of the interpretation and of the
+    pose. `limits` (P): accepted error in each of P poses.
     """
     if verdict == "adequate":
         return ""
@@ -107,8 +108,9 @@ def _reason_without_number(errors: Errors, quantity: Quantity, pose: int) -> str
 def _deciding_information(errors: Errors, reference: Reference, pose: int, limits: Array) -> str:
     """Instruction to add to the robot file the information on which the verdict depends.
 
-    This is the stiffness inside the legs if the verdict remains undecided with any choice for
-    everything else that the robot file leaves open.
+    `limits` (P): accepted error in each of P poses. The information is the stiffness inside the
+    legs if the verdict remains undecided with any choice for everything else that the robot file
+    leaves open.
     """
     if not reference.interior:
         return reference.decides

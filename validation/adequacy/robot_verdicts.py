@@ -111,9 +111,10 @@ def _largest_mesh_half_width(matrix: Matrix, accuracy: float | None) -> float:
 def finer_context(context: Context, factor: float) -> Context:
     """Context with finer meshes: the next finer preset for legs, more unknowns for CAD parts.
 
-    The half-widths of CAD parts become smaller by `factor`. Raises InputError if neither mesh can
-    be refined, or, without --accuracy, if the preset refines no meshes or allows fewer unknowns.
-    Raises ComputationError for lack of memory.
+    The half-widths of CAD parts become smaller by `factor`. Raises InputError if no finer mesh
+    exists. Without --accuracy, it also raises InputError if the preset does not refine meshes, or
+    if the finer meshes have more unknowns than the preset allows. Raises ComputationError for lack
+    of memory.
     """
     robot_file = context.robot_file
     requested = robot_file.requirement.accuracy is not None
@@ -234,8 +235,8 @@ def _without_modes(models: Iterable[Model]) -> list[Model]:
 def _constant_section_subject(robot: RobotOnPath, models: Mapping[str, Model]) -> Subject | None:
     """Subject for models of legs of constant section: the robot with prisms as its legs.
 
-    Each leg specified by its 6×6 is replaced by its equivalent prism, which is a solid in the
-    reference. None if no leg is specified by a 6×6, or if the robot has CAD parts, whose
+    Each leg specified by its 6×6 compliance is replaced by its equivalent prism, which is a solid
+    in the reference. None if there is no such leg, or if the robot has CAD parts, whose
     idealisation would be part of the error.
     """
     if not robot.given or robot.mechanism.parts:

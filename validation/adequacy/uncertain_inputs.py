@@ -107,8 +107,8 @@ class _RobotErrors:
         """Components of the errors, in the shape of `ErrorOfInputs.nominal`.
 
         `forces` (P×f×6): wrenches for which the errors are computed. If it is None, the errors are
-        those under the load of the quantity (f = 1). NaN for missing errors. Shapes: P poses, f
-        forces.
+        those under the load of the quantity (f = 1). NaN for missing errors. `nominal`: errors with
+        the inputs of the robot file, which determine the shape. Shapes: P poses, f forces.
         """
         errors, vectorial = self.errors, nominal.displacement is not None
         count = 1 if forces is None else forces.shape[1]
@@ -131,7 +131,8 @@ class _RobotErrors:
     def interval(self, nominal: Errors) -> Array:
         """Lowest and highest error in each pose (2×P).
 
-        Shapes: P poses.
+        NaN if the errors are missing. `nominal`: errors with the inputs of the robot file, in the
+        same P poses.
         """
         if self.errors is None:
             return np.full((2, nominal.error.shape[1]), np.nan)
@@ -140,7 +141,8 @@ class _RobotErrors:
     def value(self, nominal: Errors) -> Array:
         """Value (P) that the model gives for the quantity.
 
-        Shapes: P poses.
+        NaN if the errors are missing. `nominal`: errors with the inputs of the robot file, in the
+        same P poses.
         """
         if self.errors is None:
             return np.full(nominal.error.shape[1], np.nan)

@@ -128,9 +128,9 @@ def _study_of_parts(
     sent: "Provisions",
     robot_file: "RobotFile",
 ) -> "ConvergenceStudy":
-    """Convergence study by `study_of`, called on a machine that lacks the files of the CAD parts.
+    """Convergence study by `study_of`, on a machine that lacks the files of the CAD parts.
 
-    `sent` contains these files and cache entries for the other machine.
+    `sent` contains these files, and cache entries that this machine may lack.
     """
     return study_of(sent.unpack(robot_file))
 

@@ -195,8 +195,8 @@ def relative_errors(values: Array, limits: Array) -> Array:
 def fitted_orders(counts: Sequence[int], errors: Array, limit_half_widths: Array) -> Array:
     """Orders in 1/n (q) of relative errors (n×q) against known limits. NaN if there is none.
 
-    An order requires errors above round-off and a hundred times above the half-width of the limit.
-    Shapes: n element counts, q quantities.
+    An order requires errors above round-off and a hundred times above `limit_half_widths` (q,
+    relative), the half-widths of the limits. Shapes: n element counts, q quantities.
     """
     floors = np.maximum(_FITTED, _ABOVE_LIMIT * limit_half_widths)
     return orders_to_limits(counts, errors, floors)

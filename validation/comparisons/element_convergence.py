@@ -73,9 +73,10 @@ class Discretised:
     """Solver of a leg or robot by any formulation, with any element count or mesh.
 
     `statics` and `modes` are functions that solve the leg or robot by a formulation; `executor`
-    calls them, and `responses` stores their results. `models` are the models of the formulations so
-    far, one for all element counts of a formulation: the field `elements` of a reading is the
-    count. `solved`: formulations that are already solved, each with its element count.
+    calls them, and `responses` stores their results. `models` are the models of the formulations
+    used so far. All element counts of a formulation share one model, to which the field `elements`
+    of a `Reading` passes the count. `solved`: formulations that are already solved, each with its
+    element count.
     """
 
     responses: Responses
@@ -336,7 +337,8 @@ def _leg_modes(
 def _cantilever(leg: ConstantLeg, theory: Theory) -> tuple[Array, Array]:
     """Exact values of the clamped leg, and their half-widths, which are zero.
 
-    The values are frequencies (Hz), then deflections of the tip under unit forces (m/N).
+    The values are four frequencies (Hz), then three deflections of the tip, each along a unit force
+    (m/N).
     """
     properties = leg.properties(theory)
     exact_modes = cantilever_frequencies(properties, leg.length, MODES)
@@ -371,9 +373,10 @@ def _solved_robot(posture: Posture, highest: float, discretisation: Discretisati
 
 
 def _beam_limit(discretised: Discretised, theory: Theory) -> tuple[Array, Array]:
-    """Richardson's limits of the values by beam elements, and their relative half-widths.
+    """Richardson's limits (7) of the values by beam elements, and their relative half-widths (7).
 
-    A half-width is three times the error at the highest element count.
+    The values are four frequencies (Hz) and three deflections (m/N). A half-width is three times
+    the error at the highest element count.
     """
     beams = Discretisation("beam", theory=theory)
     discretised.solve_ahead([beams.with_count(count) for count in _LIMIT_COUNTS])

@@ -1,4 +1,4 @@
-"""Distortion of the section in vibrating legs along a line: relative change of a beam frequency.
+"""Distortion of the section in vibrating tapered legs: relative change of a beam frequency.
 
 Input: a straight leg whose sections are boxes, tubes or I-sections, and one of its modes as a beam.
 Output: the relative change of the frequency because inertia bends the walls (waves of 3-D

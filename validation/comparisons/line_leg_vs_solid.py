@@ -1,4 +1,4 @@
-"""Cases on single legs along a line, root clamped: beams, segments and links against solids.
+"""Cases on single tapered or curved legs, root clamped: beams, segments and links against solids.
 
 Input: a straight leg whose section varies, or an arc. Output: a verdict for each model on tip
 motions and frequencies. The solid is the same taper or arc in quadratic hexahedra, with the end
@@ -87,7 +87,7 @@ def neglected(leg: LineLeg) -> float:
 
 
 def _line_legs(mechanism: Mechanism) -> list[tuple[str, float]]:
-    """Name of each leg along a line, with the error that `neglected` allows for beam theory."""
+    """Name of each tapered or curved leg, and the error that `neglected` allows for beam theory."""
     legs = legs_of(mechanism).items()
     return [(name, neglected(leg)) for name, leg in legs if isinstance(leg, LineLeg)]
 
@@ -220,7 +220,10 @@ def _formula_tips(leg: LineLeg, divisions: int) -> tuple[Array, Array]:
 
 
 def _formula_frequencies(leg: LineLeg, divisions: int) -> tuple[Array, Array]:
-    """Frequencies (Hz) of the softest and stiffest beam by correct textbook formulas."""
+    """First frequencies (Hz) of the softest and stiffest beam by correct textbook formulas.
+
+    Each array has `MODES` frequencies.
+    """
     soft, stiff = (
         clamped_modes(line_beam(sections, ELEMENTS), MODES).frequencies
         for sections in _formula_band(leg, divisions)
@@ -298,7 +301,7 @@ def _solid_frequencies(leg: LineLeg, divisions: int, ends: Ends) -> Array:
 
 
 def _computed_frequencies(leg: LineLeg, divisions: int) -> Array:
-    """Frequencies (Hz) of beam elements with section constants by finite elements."""
+    """First `MODES` frequencies (Hz) of beam elements with section constants by finite elements."""
     return clamped_modes(_computed_beam(leg, divisions), MODES).frequencies
 
 

@@ -135,7 +135,10 @@ def _limits(counts: tuple[int, ...], values: Array, formal: float) -> tuple[Arra
 
 
 def _smallest_listed_count(counts: tuple[int, ...], errors: Array, target: float) -> int:
-    """Smallest of `counts` from which on the error stays below `target`. 0 if there is none."""
+    """Smallest of `counts` (m) from which on |error| stays below `target`. 0 if there is none.
+
+    `errors` (m) are relative errors at these counts.
+    """
     missed = np.flatnonzero(errors > target)
     first = int(missed[-1]) + 1 if len(missed) else 0
     return counts[first] if first < len(counts) else 0

@@ -42,10 +42,11 @@ UNITS = (*(unit for _, unit in MOTIONS.values()), *MODES * ("Hz",))
 
 @dataclass(frozen=True, eq=False)
 class PartValues:
-    """Tip compliances (6, SI, leg axes), then frequencies (Hz, ascending) of a clamped part.
+    """Values of a clamped part: diagonal tip compliances, then its first `MODES` frequencies.
 
-    `half_widths` are those due to the mesh of the part. They are NaN if the file of the part is
-    itself a mesh, which cannot be refined.
+    `values` are six compliances (SI, leg axes), then frequencies (Hz, ascending). `half_widths` are
+    those due to the mesh of the part. They are NaN if the file of the part is itself a mesh, which
+    cannot be refined.
     """
 
     values: Array
@@ -69,7 +70,7 @@ def solid_values(body: Body) -> PartValues:
 
 
 def condensed_values(body: Body) -> Array:
-    """Tip compliances (6, SI), then frequencies (Hz), of a condensed and clamped CAD part."""
+    """Six tip compliances (SI), then `MODES` frequencies (Hz), of a condensed, clamped CAD part."""
     part, tip = identified(body), np.s_[6:, 6:]
     squared = eigh(part.stiffness[tip], part.mass[tip], eigvals_only=True)
     compliance = np.linalg.inv(part.stiffness[tip]).astype(float)
@@ -78,9 +79,10 @@ def condensed_values(body: Body) -> Array:
 
 
 def stepped_values(body: Body, discretisation: Discretisation) -> Array:
-    """Tip compliances (6, SI), then frequencies (Hz), of a clamped CAD part as prismatic pieces.
+    """Six tip compliances (SI), then `MODES` frequencies (Hz), of a CAD part as prismatic pieces.
 
-    Raises InputError if the part cannot be divided into prismatic pieces.
+    The part is clamped at its first interface. Raises InputError if it cannot be divided into
+    prismatic pieces.
     """
     matrices = leg_matrices(discretisation.model, stepped(body), discretisation.options)
     return _values(tip_compliance_of(matrices), clamped_modes(matrices, MODES).frequencies)

@@ -91,7 +91,7 @@ def convergence(
 
 
 def leg_names(mechanism: Mechanism) -> list[str]:
-    """Names of bodies with a convergence study: prisms, 6×6 legs, CAD parts with two interfaces."""
+    """Names of bodies with a convergence study: all legs, and CAD parts with two interfaces."""
     parts = (name for name, part in mechanism.parts.items() if is_leg(part))
     return [*legs_of(mechanism), *parts]
 

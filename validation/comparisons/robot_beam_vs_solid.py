@@ -1,9 +1,9 @@
 """Cases on the whole robot: VJM, links, segments and beams against the robot with solid legs.
 
 Input: the robot in the middle of its path, with all legs of constant section; a leg specified by
-its 6×6 is replaced by its equivalent prism. Output: a verdict for each model on six tool motions
-and four frequencies. Rule: as for a single leg (`leg_beam_vs_solid`), the difference less the
-allowances must be within the tolerance of [agree]. Each allowance is the difference between two
+its 6×6 compliance is replaced by its equivalent prism. Output: a verdict for each model on six tool
+motions and four frequencies. Rule: as for a single leg (`leg_beam_vs_solid`), the difference less
+the allowances must be within the tolerance of [agree]. Each allowance is the difference between two
 robots whose legs differ by one named cause alone. The end condition of the solids is that of
 [agree], otherwise `ends` of each leg, otherwise rigid faces.
 
@@ -166,7 +166,7 @@ class RobotModes:
 
 
 def constant_posture(context: Context) -> Posture:
-    """Posture in the middle of the path, with each 6×6 leg replaced by its equivalent prism."""
+    """Posture in the middle of the path, with equivalent prisms for legs given by a compliance."""
     return context.get(_constant_posture, path_postures(context))
 
 
@@ -177,7 +177,7 @@ def _constant_posture(postures: tuple[Posture, ...]) -> Posture:
 
 
 def _require_prisms(mechanism: Mechanism) -> None:
-    """Raise Skip if a robot has CAD parts or legs along a line."""
+    """Raise Skip if a robot has CAD parts, or legs that are tapered, stepped or curved."""
     if parts := ", ".join(mechanism.parts):
         raise Skip(
             f"{parts}: this comparison is for legs of constant section, not for CAD parts, which "

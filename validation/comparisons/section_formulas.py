@@ -264,7 +264,8 @@ def laminate_errors(section: Laminate) -> dict[str, float]:
 class _Shares(NamedTuple):
     """Ratios of energies by which the coupling of tension and shear in a wall causes errors.
 
-    The module docstring defines them under "Unbalanced layup", with the symbols beside the fields.
+    `wall` is w, `tension` is p, `energy` is p', `shear` is p' + d' and `stress` is s'. These
+    symbols are defined in the module docstring under "Unbalanced layup".
     """
 
     wall: float = 0.0  # w

@@ -1,8 +1,8 @@
 """Matrices, tip compliance and natural frequencies of one leg by each model.
 
-Input: a leg (prism, stepped leg or 6×6) and the options of the model. Output: stiffness and mass
-matrices in leg axes, 6×6 tip compliance, or frequencies in Hz. Legs of equal shape share one stored
-result.
+Input: a leg (prism, stepped leg or 6×6 compliance) and the options of the model. Output: stiffness
+and mass matrices in leg axes, 6×6 tip compliance, or frequencies in Hz. Legs of equal shape share
+one stored result.
 """
 
 from dataclasses import replace
@@ -238,6 +238,6 @@ def leg_modes(
 def constant_leg_of(context: Context, body: str) -> ConstantLeg:
     """Leg `body` of the run's robot as a prism of constant section.
 
-    A leg specified by its 6×6 is replaced by its equivalent prism.
+    A leg specified by its 6×6 compliance is replaced by its equivalent prism.
     """
     return context.get(equivalent_leg, legs_of(context.robot_file.mechanism)[body])

@@ -21,14 +21,15 @@ ReductionBy: TypeAlias = Literal["fixed", "free"]
 class ModelOptions:
     """Options of the models, as on the command line; in brackets, the models that each affects.
 
-    `legs` (vjm, links): the 6×6 of the robot file, or that of the equivalent prism. `theory`: beam
-    theory (segments, beam; vjm and links with equivalent legs). `elements` (segments, beam): number
-    per leg. `release`: treatment of the joint at a leg's tip, `layout`: positions of the springs
-    (segments). `ends`: condition of the end faces, `divisions`: elements across the section
-    (solid). `equivalent`: matrix whose diagonal the equivalent prism shares with the 6×6, the
-    stiffness or the compliance. `parts` (segments, beam): CAD parts as equivalent legs, as legs
-    stepped in prismatic pieces, or condensed to their interfaces with mass. `reduction` (solid):
-    CAD parts by modes with all interfaces fixed (Craig and Bampton) or free (MacNeal, Rubin).
+    `legs` (vjm, links): the 6×6 compliance of the robot file, or that of the equivalent prism.
+    `theory`: beam theory (segments, beam; vjm and links with equivalent legs). `elements`
+    (segments, beam): number per leg. `release`: treatment of the joint at a leg's tip, `layout`:
+    positions of the springs (segments). `ends`: condition of the end faces, `divisions`: elements
+    across the section (solid). `equivalent`: matrix of the leg, 6×6 stiffness or compliance, whose
+    diagonal the equivalent prism has. `parts` (segments, beam): CAD parts as equivalent legs, as
+    legs stepped in prismatic pieces, or condensed to their interfaces with mass. `reduction`
+    (solid): CAD parts by modes with all interfaces fixed (Craig and Bampton) or free (MacNeal,
+    Rubin).
     """
 
     legs: LegSprings = "given"

@@ -1,8 +1,8 @@
 """CAD parts with two interfaces as legs of lumped and beam models.
 
-Input: a body that is a CAD part, and options. Output: its `BodyModel`: by its 6×6, as an equivalent
-or stepped leg, or condensed. The x axis of such a leg runs from the point of the first interface to
-that of the second; its z axis is as near as possible to the z axis of the part's file.
+Input: a body that is a CAD part, and options. Output: its `BodyModel`: by its 6×6 compliance, as an
+equivalent or stepped leg, or condensed. The x axis of such a leg runs from the point of the first
+interface to that of the second; its z axis is as near as possible to the z axis of the part's file.
 """
 
 from collections.abc import Callable, Sequence
@@ -29,7 +29,7 @@ from validation.models.stepped_parts import stepped
 
 
 def given_leg(body: Body) -> GivenLeg:
-    """CAD part as a leg in leg axes, specified by its identified 6×6 and mass."""
+    """CAD part as a leg in leg axes, specified by its identified compliance and mass."""
     start, end = (frame.position for frame in body.interfaces.values())
     part = identified(body)
     compliance = turn_matrix(part.compliance, leg_axes(body).rotation.T)

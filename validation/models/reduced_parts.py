@@ -83,7 +83,7 @@ class ReducedPart(BodyModel):
         return _below(squares[np.abs(squares / expected - 1.0) < _SAME_MODE], self.cutoff)
 
     def loosened(self, squared: float) -> tuple[Array, Array]:
-        """Changes of stiffness and mass that bound the effect of the omitted modes on frequencies.
+        """Changes of stiffness and mass (n×n) that bound the effect of omitted modes on frequency.
 
         `squared` is the square of an angular frequency (rad²/s²); see
         `fem.reduction.craig_bampton.Truncated`.

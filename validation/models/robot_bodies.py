@@ -179,7 +179,8 @@ def sectioned_legs(
 ) -> list[tuple[str, SectionedLeg, ModelOptions]]:
     """Name, leg with its section, and model options of each leg of a mechanism.
 
-    A leg specified by its 6×6 is replaced by its equivalent prism. Equal legs are one object.
+    A leg specified by its 6×6 compliance is replaced by its equivalent prism. Equal legs are one
+    object.
 
     If `options.release` is "printed", the last spring of a leg contains the joint at its tip;
     `as_printed` fixes that joint in the mechanism.

@@ -151,7 +151,7 @@ class PostureModes:
 
     @cached_property
     def strain(self) -> Mapping[Portion, Array]:
-        """Share of each mode's strain energy in each drive, body and elastic part of a joint.
+        """Shares (m) of m modes' strain energies in each drive, body and elastic part of a joint.
 
         Shares of a body are listed by kind of deformation if its model distinguishes kinds. The
         shares of a mode sum to 1.

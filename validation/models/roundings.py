@@ -1,8 +1,8 @@
-"""Robots in which one printed number of a 6×6 is slightly changed, to compute effects of rounding.
+"""Robots with a small change of one printed number of a 6×6 compliance, for effects of rounding.
 
-Input: the printed 6×6 of a robot file and the postures of the robot. Output: for each number of a
-6×6, the postures with a small change of it, and the factor that converts this change to half a unit
-of the number's last digit. Numbers with nine digits or more are omitted.
+Input: the printed 6×6 compliances of a robot file and the postures of the robot. Output: for each
+number of a compliance, the postures with a small change of it, and the factor that converts this
+change to half a unit of the number's last digit. Numbers with nine digits or more are omitted.
 """
 
 from collections.abc import Iterable, Sequence
@@ -25,7 +25,7 @@ _NEGLIGIBLE = 1e-9
 
 
 class Rounding(NamedTuple):
-    """Postures of a robot in which one number of a 6×6 is slightly changed.
+    """Postures of a robot in which one number of a 6×6 compliance is slightly changed.
 
     Half a unit of the number's last digit is `factor` times the change.
     """
@@ -35,9 +35,10 @@ class Rounding(NamedTuple):
 
 
 def roundings_of(compliances: Iterable[Printed], postures: Sequence[Posture]) -> list[Rounding]:
-    """Postures with one number slightly changed, for each number of the printed 6×6 in use.
+    """Postures with one number slightly changed, for each number of the compliances in use.
 
-    Bodies and joints with equal 6×6 are changed together.
+    `compliances` are the printed 6×6 compliances of the robot file. Bodies and joints with equal
+    compliances are changed together.
     """
     mechanism, roundings = postures[0].mechanism, []
     distinct = {printed.compliance.tobytes(): printed for printed in compliances}
@@ -57,7 +58,7 @@ def roundings_of(compliances: Iterable[Printed], postures: Sequence[Posture]) ->
 
 
 def _with_change(mechanism: Mechanism, compliance: Array, change: Array) -> Mechanism | None:
-    """Mechanism with a `change` of the 6×6 `compliance`. None if no body or joint has that 6×6."""
+    """Mechanism with a `change` of the 6×6 `compliance`. None if no body or joint has it."""
     bodies = {
         name: replace(body, shape=replace(body.shape, compliance=compliance + change))
         for name, body in mechanism.bodies.items()

@@ -122,9 +122,11 @@ def _pieces_and_masses(
 ) -> dict[str, Any]:
     """Arrays of a stepped leg by name: "line", "axes", "properties", "root_mass" and "tip_mass".
 
-    The first three describe the `count` pieces: points of the centre line (count+1 × 3), axes
-    (count×3×3) and beam properties (one row for each piece). The masses (6×6 about the root, in leg
-    axes) are those of the part before the first and after the last piece.
+    `positions` (N×3, in m, leg axes) are the nodes of the mesh, and `span` the x coordinates (m) of
+    both ends of the pieces. The first three arrays describe the `count` pieces: points of the
+    centre line (count+1 × 3), axes (count×3×3) and beam properties (one row for each piece). The
+    masses (6×6 about the root, in leg axes) are those of the part before the first and after the
+    last piece.
     """
     facets = boundary(mesh)
     line = np.zeros((count + 1, 3))
@@ -154,11 +156,12 @@ def _pieces_and_masses(
 def _require_prisms(positions: Array, facets: Facets, line: Array) -> None:
     """Raise NotPrismaticError if a section of the part is in two pieces or changes too fast.
 
-    A change is too fast if it occurs over a length that is comparable to the size of the section.
-    An opening in the part divides a beam into two beams side by side, and so its section into two.
-    If the two beams bend apart, they are much softer than one section and much stiffer than either
-    beam alone. A rib matters only if it lies at the middle of a prismatic piece, since the section
-    of the piece is taken there.
+    `line` (n+1×3, in m) are the ends of n pieces, `positions` (N×3, in m) the nodes of the part,
+    both in leg axes. A change is too fast if it occurs over a length that is comparable to the size
+    of the section. An opening in the part divides a beam into two beams side by side, and so its
+    section into two. If the two beams bend apart, they are much softer than one section and much
+    stiffer than either beam alone. A rib matters only if it lies at the middle of a prismatic
+    piece, since the section of the piece is taken there.
     """
     cuts, sizes, middles, measured = [], [], [], []
     lengths = np.linalg.norm(np.diff(line, axis=0), axis=1)
@@ -209,8 +212,9 @@ def _require_prisms(positions: Array, facets: Facets, line: Array) -> None:
 def _through_centroids(positions: Array, facets: Facets, line: Array) -> Array:
     """Centre line of n pieces: its points (n+1×3, m), from the centroids of the n sections.
 
-    Inner points lie midway between neighbouring centroids; both ends are extrapolated. If there is
-    one piece, its line is shifted to the centroid.
+    `line` (n+1×3, in m) is an estimate of the result, `positions` (N×3, in m) are the nodes of the
+    part, both in leg axes. Inner points lie midway between neighbouring centroids; both ends are
+    extrapolated. If there is one piece, its line is shifted to the centroid.
     """
     centroids = []
     for start, end in pairwise(line):
@@ -248,6 +252,6 @@ def _mass(masses: Array, positions: Array) -> Array:
 
 
 def _about_tip(mass: Array, length: float) -> Array:
-    """Mass matrix (6×6) about the tip of a leg, from that about its root."""
+    """Mass matrix (6×6) about the tip of a leg of `length` (m), from `mass` about its root."""
     back = shift(np.array([-length, 0.0, 0.0]))
     return np.asarray(back.T @ mass @ back)

@@ -4,8 +4,8 @@ Input: the robot along its path with its computed modes. Output: a `Reference` w
 interpretation for each set of end conditions and each plausible mass distribution that the robot
 file allows, and for each judged model its sequence of intermediate models. Rule: legs with a
 cross-section are 3-D solids reduced to their end faces, and CAD parts are solids reduced to their
-interfaces. For legs specified by their 6×6 there is an interpretation with each plausible
-distribution of mass and stiffness between their ends.
+interfaces. For legs specified by their 6×6 compliance there is an interpretation with each
+plausible distribution of mass and stiffness between their ends.
 """
 
 from collections.abc import Mapping, Sequence
@@ -119,8 +119,9 @@ def mass_notes(responses: Responses, reference: Reference) -> tuple[str, ...]:
     """Note on the range of frequencies in the middle pose over all plausible mass distributions.
 
     Mass anywhere on a leg lowers frequencies (Rayleigh), so massless legs give an upper bound,
-    which the note contains if no body is a solid. There is no lower bound, since the 6×6 of a leg
-    has no information on the leg between its ends. Empty if the legs' mass distribution is known.
+    which the note contains if no body is a solid. There is no lower bound, since the compliance of
+    a leg has no information on the leg between its ends. Empty if the legs' mass distribution is
+    known.
     """
     if not reference.supposed or reference.model is None:
         return ()

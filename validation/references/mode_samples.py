@@ -36,7 +36,7 @@ class Samples:
     rotation. The keys of the mappings are body names. `points` (m×3, in metres, body axes): sample
     points of each leg and CAD part. `turned`: principal axes of inertia (3×3, columns) of each
     rigid body with mass. `prisms`: masses (m, kg) of the points of each leg with a cross-section,
-    that is, of each leg that is not specified by its 6×6.
+    that is, of each leg that is not specified by its 6×6 compliance.
     """
 
     mechanism: Mechanism

@@ -2,10 +2,10 @@
 
 Input: a robot along its path and a reading of its file. Output: statics (compliances and
 displacements) or modes. Intermediate models replace each leg by the compliance of its tip, with one
-more effect in each model: the couplings of the file's 6×6, computed section constants, restrained
-warping, restrained contraction. If the legs are serial chains, the compliances are summed along
-them (virtual joint method), by code that is independent of the assembler of the reference;
-otherwise the legs are assembled as links.
+more effect in each model: the couplings in the 6×6 compliance of the file, computed section
+constants, restrained warping, restrained contraction. If the legs are serial chains, the
+compliances are summed along them (virtual joint method), by code that is independent of the
+assembler of the reference; otherwise the legs are assembled as links.
 """
 
 from collections.abc import Callable, Sequence
@@ -106,7 +106,7 @@ def with_elements(options: ModelOptions, reading: Reading) -> ModelOptions:
 
 
 def solid_statics(robot: RobotOnPath, reading: Reading) -> Statics:
-    """Statics with legs and CAD parts as solids. Legs specified by a 6×6 keep it."""
+    """Statics with legs and CAD parts as solids. Legs given by a 6×6 compliance keep it."""
     tips = {
         body: solid_tip(robot.context, leg, reading.ends[body], mesh=reading.mesh)
         for body, leg in robot.legs.items()

@@ -97,14 +97,14 @@ def solid_meshes(preset: Preset) -> SolidMeshes:
 
 
 def modes_of_solids(robot: RobotOnPath, reading: Reading) -> PathModes:
-    """Modes of the reference: legs and CAD parts as solids, and legs given by a 6×6 alone.
+    """Modes of the reference: legs and CAD parts as solids, and legs given by a compliance.
 
-    Legs given by a 6×6 alone have the mass distribution and interior stiffness that `reading`
-    assumes. Thin walls have the same section mesh for one and for two divisions; the excess
-    stiffness of that mesh against distortion does not appear if only the length of the elements is
-    halved. Therefore the section of the fine mesh has at least four divisions. Walls thinner than
-    about 1/30 of the section have one section mesh for one to four divisions; the error of that
-    mesh is in both solids, and their difference does not show it.
+    Legs given by a 6×6 compliance alone have the mass distribution and interior stiffness that
+    `reading` assumes. Thin walls have the same section mesh for one and for two divisions; the
+    excess stiffness of that mesh against distortion does not appear if only the length of the
+    elements is halved. Therefore the section of the fine mesh has at least four divisions. Walls
+    thinner than about 1/30 of the section have one section mesh for one to four divisions; the
+    error of that mesh is in both solids, and their difference does not show it.
     """
     meshes = solid_meshes(robot.context.meshes)
     mesh = meshes.fine._replace(least=COARSEST_WALLS) if reading.mesh else meshes.coarse
@@ -220,8 +220,8 @@ def solid_vibration(
 ) -> PathModes:
     """Modes in each posture with legs as solids on `mesh`, reduced to their ends.
 
-    `reading` selects the mass and stiffness distributions in legs specified by their 6×6, and the
-    mesh of CAD parts.
+    `reading` selects the mass and stiffness distributions in legs specified by their 6×6
+    compliance, and the mesh of CAD parts.
     """
 
     def build(leg: Leg, ends: Ends, highest: float) -> LegMatrices:

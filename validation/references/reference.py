@@ -244,11 +244,11 @@ class Subject:
 
     `poses` (P×n) are values of the n `coordinates`. `notes` are remarks for the report. `parts`:
     each leg as a subject of its own, clamped at its root. `formulation`: if legs of the robot are
-    specified by their 6×6, a subject with equivalent prisms, on which the formulations are judged
-    against solids; otherwise None. `inputs`: uncertain inputs, None if the file names none. `loads`
-    and `harmonics`: quantities of the file's loads and of its harmonic responses, in order.
-    `faults`: names of computations (other than models) that failed by an error of the program.
-    Array sizes: P poses.
+    specified by their 6×6 compliance, a subject with equivalent prisms, on which the formulations
+    are judged against solids; otherwise None. `inputs`: uncertain inputs, None if the file names
+    none. `loads` and `harmonics`: quantities of the file's loads and of its harmonic responses, in
+    order. `faults`: names of computations (other than models) that failed by an error of the
+    program. Array sizes: P poses.
     """
 
     robot: str

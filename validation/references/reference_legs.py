@@ -61,7 +61,7 @@ SECTION_RATIO = COARSEST_WALLS / SECTION_DIVISIONS
 
 
 def slowest(ratio: float) -> MeshPolicy:
-    """Mesh policy for two meshes with this `ratio` of element sizes and the slowest convergence."""
+    """Mesh policy for two meshes with this `ratio` of element sizes, by order `SLOWEST_ORDER`."""
     return MeshPolicy.of_order(ratio, SLOWEST_ORDER)
 
 
@@ -189,7 +189,7 @@ def line_meshes(leg: LineLeg, coarse: int, fine: int) -> TwoMeshes:
 def solid_tip(context: Context, leg: Leg, ends: Ends, *, mesh: Literal[0, 1] = 1) -> Array:
     """6×6 tip compliance (SI, leg axes) of a solid leg on the coarse (0) or fine (1) mesh.
 
-    If the leg is given by its 6×6, the result is that matrix.
+    If the leg is given by its compliance, the result is that matrix.
     """
     if isinstance(leg, GivenLeg):
         return given_compliance(leg)
@@ -211,7 +211,7 @@ def straight_spring(leg: Leg) -> Array:
 def computed_spring(context: Context, leg: Leg, divisions: int = SECTION_DIVISIONS) -> Array:
     """6×6 tip compliance (SI, leg axes) of a beam with computed section constants.
 
-    If the leg is given by its 6×6, the result is that matrix.
+    If the leg is given by its compliance, the result is that matrix.
     """
     if isinstance(leg, GivenLeg):
         return leg.compliance

@@ -151,7 +151,8 @@ def assembled(
     """Statics of the assembled mechanism, with each leg replaced by its 6×6 tip compliance.
 
     `parts` are models of the CAD parts; if None, they are condensed to their interfaces. `masses`
-    is the mass distribution of legs specified by their 6×6, for loads that act on masses.
+    is the mass distribution of legs specified by their 6×6 compliance, for loads that act on
+    masses.
     """
     mechanism = postures[0].mechanism
     part_models = condensed_parts(mechanism) if parts is None else parts

@@ -85,7 +85,8 @@ class Responses:
     def at(self, postures: Sequence[Posture]) -> "Responses":
         """Responses of the robot in other postures, of which none is solved yet.
 
-        Reduced bodies stay the same, so that single postures can be solved one after the other.
+        Bodies are reduced for the same frequencies as before, so that postures can be solved one by
+        one with the results that they have together.
         """
         return Responses(self.robot.at(postures), self.perturb, self.strict)
 

@@ -57,11 +57,11 @@ class Reading:
     """One choice for everything that a robot file leaves open, and one mesh of each kind.
 
     `ends`: end condition of each leg and CAD part. `masses`, `interior`: distribution of mass and
-    of stiffness in legs specified by their 6×6. `mesh`: mesh of solid legs, `section_mesh`: mesh
-    for section constants; 1 is the fine, 0 the coarse mesh. `part_mesh`: mesh level of CAD parts.
-    `elements`: factor on the element count of models. `factors`: relative changes of the robot's
-    inputs. `rounding`: index, in `RobotOnPath.roundings`, of the printed number that is slightly
-    changed. It is None if no number is changed.
+    of stiffness in legs specified by their 6×6 compliance. `mesh`: mesh of solid legs,
+    `section_mesh`: mesh for section constants; 1 is the fine, 0 the coarse mesh. `part_mesh`: mesh
+    level of CAD parts. `elements`: factor on the element count of models. `factors`: relative
+    changes of the robot's inputs. `rounding`: index, in `RobotOnPath.roundings`, of the printed
+    number that is slightly changed. It is None if no number is changed.
     """
 
     ends: Holds
@@ -84,7 +84,7 @@ class Reading:
 
     @property
     def inside(self) -> Inside:
-        """Distribution of mass and of stiffness inside legs specified by their 6×6."""
+        """Distribution of mass and of stiffness inside legs specified by their 6×6 compliance."""
         return Inside(self.masses, self.interior)
 
     def on_mesh(self, kind: MeshKind, level: int) -> "Reading":
@@ -130,10 +130,10 @@ class Holding:
 class RobotOnPath:
     """A mechanism in its postures, with all data from which its references are built.
 
-    `printed`: each 6×6 of the robot file with half a unit of the last digit of its entries. Empty
-    if digits are not a source of uncertainty. `path`: postures in which bodies are reduced: their
-    cut-off frequency follows from the highest frequency in these postures. Empty if these are
-    `postures`.
+    `printed`: each 6×6 compliance of the robot file with half a unit of the last digit of its
+    entries. Empty if digits are not a source of uncertainty. `path`: postures in which bodies are
+    reduced: their cut-off frequency follows from the highest frequency in these postures. Empty if
+    these are `postures`.
     """
 
     context: Context
@@ -169,13 +169,13 @@ class RobotOnPath:
     def prisms(self) -> list[SectionedLeg]:
         """Legs with a constant or varying cross-section, which are solids in the reference.
 
-        These are all legs except those specified by their 6×6 only.
+        These are all legs except those specified by their 6×6 compliance only.
         """
         return [leg for leg in self.legs.values() if not isinstance(leg, GivenLeg)]
 
     @property
     def given(self) -> dict[str, GivenLeg]:
-        """Legs specified by their 6×6 only, by body name."""
+        """Legs specified by their 6×6 compliance only, by body name."""
         return {name: leg for name, leg in self.legs.items() if isinstance(leg, GivenLeg)}
 
     @property
@@ -185,10 +185,10 @@ class RobotOnPath:
 
     @property
     def masses_instruction(self) -> str:
-        """Instruction to add the keys for the mass distribution of legs given by a 6×6 alone.
+        """Instruction to add keys for the mass distribution of legs given by a compliance alone.
 
-        If no key is missing, the instruction is to replace the 6×6 by a section or solid. "" if
-        there are no such legs.
+        If no key is missing, the instruction is to replace the compliance by a section or solid. ""
+        if there are no such legs.
         """
         lacking: dict[str, list[str]] = {}
         for name, leg in self.given.items():
@@ -203,7 +203,7 @@ class RobotOnPath:
 
     @property
     def interior_instruction(self) -> str:
-        """Instruction to specify how stiffness is distributed along legs given by a 6×6 alone.
+        """Instruction to specify how stiffness is distributed along legs given by a compliance.
 
         "" if there are no such legs.
         """
@@ -232,7 +232,7 @@ class RobotOnPath:
 
     @cached_property
     def roundings(self) -> list[Rounding]:
-        """Robots in each of which one printed number of a 6×6 is slightly changed."""
+        """Robots in each of which one printed number of a 6×6 compliance is slightly changed."""
         return roundings_of(self.printed, self.postures)
 
     @cached_property
@@ -352,7 +352,7 @@ def distinct_legs(mechanism: Mechanism) -> tuple[str, ...]:
 def prismatic_legs(mechanism: Mechanism) -> tuple[str, ...]:
     """Body names of the distinct legs that are prisms or can be replaced by equivalent prisms.
 
-    These are all distinct legs except those along a line.
+    These are all distinct legs except tapered, stepped and curved ones.
     """
     legs = legs_of(mechanism)
     return tuple(name for name in distinct_legs(mechanism) if not isinstance(legs[name], LineLeg))

@@ -3,7 +3,8 @@
 Input: the robot along its path with its computed statics. Output: a `Reference` with one
 interpretation for each set of end conditions that the robot file allows, and for each judged model
 its sequence of intermediate models. Rule: the robot is assembled from its legs and CAD parts. Legs
-with a cross-section and CAD parts are 3-D solids; other legs have the 6×6 of the robot file.
+with a cross-section and CAD parts are 3-D solids; other legs have the 6×6 compliance of the robot
+file.
 """
 
 from collections.abc import Mapping, Sequence

@@ -4,9 +4,9 @@ Input: the solved models of a robot under one reading. Output: a `Budget`, half-
 Rule: a row of `STATIC_ROWS` or `MODAL_ROWS` is evaluated if it applies to the robot, and the total
 is the sum over the rows. Meshes are treated in `mesh_uncertainty`.
 
-Printed digits are a source although model and reference use the same printed 6×6: the true 6×6 is
-known only to within its rounding, so the error of a model against the real robot is uncertain by
-the effect of this rounding.
+Printed digits are a source although model and reference use the same printed 6×6 compliance: the
+true compliance is known only to within its rounding, so the error of a model against the real robot
+is uncertain by the effect of this rounding.
 """
 
 from collections.abc import Callable, Sequence
@@ -142,10 +142,10 @@ def _sizes(unperturbed: Statics, changes: Array) -> Array:
 
 
 def rounded_readings(robot: RobotOnPath, reading: Reading) -> Perturbed:
-    """Pairs of a factor and a reading in which one number of a printed 6×6 is slightly changed.
+    """Pairs of a factor and a reading in which one number of a printed compliance is changed.
 
     The factor converts the change of a result to the effect of half a unit of the number's last
-    digit. Empty if the robot file contains no 6×6.
+    digit. Empty if the robot file contains no 6×6 compliance.
     """
     return [
         (rounding.factor, replace(reading, rounding=number))
@@ -156,7 +156,7 @@ def rounded_readings(robot: RobotOnPath, reading: Reading) -> Perturbed:
 def _plausible_mass_readings(robot: RobotOnPath, reading: Reading) -> Perturbed:
     """Pairs of the factor 1 and a reading, one for each plausible mass distribution of the legs.
 
-    The legs are those specified by their 6×6.
+    The legs are those specified by their 6×6 compliance.
     """
     return [
         (1.0, replace(reading, masses=masses)) for masses in plausible_masses(robot.given.values())
@@ -164,7 +164,7 @@ def _plausible_mass_readings(robot: RobotOnPath, reading: Reading) -> Perturbed:
 
 
 def _links(robot: RobotOnPath, _: Reading) -> Statics:
-    """Statics with legs represented by their 6×6, and condensed CAD parts.
+    """Statics with legs represented by their 6×6 compliance, and condensed CAD parts.
 
     They are computed once per run and process.
     """
@@ -216,9 +216,9 @@ def modes_by_digits(
 ) -> tuple[PathModes, Array]:
     """Modes of the robot with legs as beams, and their frequency changes by printed digits (R×P×m).
 
-    Legs specified by a 6×6 keep it, with the mass distribution `masses`. Each change of frequency
-    is relative, of first order, and due to one of the R changes of the `printed` 6×6 by
-    `roundings_of`. There are P poses and m = `count` modes.
+    Legs specified by a 6×6 compliance keep it, with the mass distribution `masses`. Each change of
+    frequency is relative, of first order, and due to one of the R changes of the `printed`
+    compliances by `roundings_of`. There are P poses and m = `count` modes.
     """
     roundings = roundings_of(printed, postures)
     mechanism = postures[0].mechanism
@@ -379,7 +379,7 @@ def _frequency_digit_half_widths(robot: RobotOnPath, fine: PathModes, reading: R
 
 
 def _is_rounded(robot: RobotOnPath) -> bool:
-    """True if the robot file contains a 6×6 whose printed digits matter."""
+    """True if the robot file contains a 6×6 compliance whose printed digits matter."""
     return bool(robot.roundings)
 
 

@@ -146,7 +146,7 @@ def difference_under(
 
 
 def nearest_between(deviations: Array, length: Array) -> Array:
-    """Smallest relative distance (…) from a displacement to those between two references.
+    """Smallest relative distance (…) from a displacement to any between two references.
 
     `deviations` (a×…×3): differences of the displacement from that of each reference. `length`
     (a×…): lengths of the references' displacements. Between two references, displacement and length

@@ -175,7 +175,8 @@ def pair_modes(
 def _assigned(mac: Array) -> IntArray:
     """Column (m) assigned to each row of a matrix (m×n, m ≤ n) so that the sum is largest.
 
-    By the Hungarian method. Equal rows and columns are assigned in ascending order.
+    `mac` is the matrix. The method is the Hungarian one. Equal rows and columns are assigned in
+    ascending order.
     """
     distances = np.subtract.outer(*(np.arange(float(size)) for size in mac.shape))
     penalised = mac - _TIE * distances**2
@@ -275,8 +276,9 @@ class _Blocks:
     def _spaces(self, modes: IntArray) -> tuple[IntArray, IntArray]:
         """Indices of the modes that span the spaces of `modes` and of their partners.
 
-        The first array has the modes of the first model with the same frequencies as `modes`. The
-        second has the modes of the second model with the same frequencies as the partners.
+        `modes`: indices of modes of the first model. The first array has the modes of the first
+        model with the same frequencies. The second has the modes of the second model with the same
+        frequencies as the partners.
         """
         partner_spaces = self.second_groups[self.partner[modes]]
         return (
@@ -285,7 +287,7 @@ class _Blocks:
         )
 
     def _cosines(self, modes: IntArray) -> Array:
-        """Squared cosines of the principal angles between the two spaces of `_spaces`, descending.
+        """Squared cosines (k) of the principal angles between the spaces of `_spaces`, descending.
 
         Zeros are appended if there are fewer angles than `modes`.
         """
@@ -325,9 +327,10 @@ def _in_spaces(modes: SampledModes, spaces: IntArray) -> SampledModes:
 def _means(overlaps: Array, first_groups: IntArray, second_groups: IntArray) -> Array:
     """Squared overlaps (m×n), averaged over groups of modes of equal frequency.
 
-    For each pair of a group of the first model and a group of the second, the sum of the squared
-    overlaps is divided by the size of the smaller group. Array sizes: m modes of the first model, n
-    modes of the second model.
+    `first_groups` (m) and `second_groups` (n): index of the group of each mode. For each pair of a
+    group of the first model and a group of the second, the sum of the squared overlaps is divided
+    by the size of the smaller group. Array sizes: m modes of the first model, n modes of the second
+    model.
     """
     first_members, second_members = (
         (spaces[:, None] == np.unique(spaces)).astype(float)
@@ -348,7 +351,7 @@ def _components(linked: BoolArray) -> IntArray:
 
 
 def _sizes(groups: IntArray) -> IntArray:
-    """Number of modes in the group to which each mode belongs, from the `groups` of the modes."""
+    """Number (m) of modes in the group of each mode, from the index of its group (`groups`, m)."""
     return np.asarray(np.equal.outer(groups, groups).sum(axis=1))
 
 
@@ -365,15 +368,15 @@ def _ascending(partner: IntArray, linked: BoolArray) -> IntArray:
 
 
 def centreline_samples(length: float, count: int) -> tuple[Array, Array]:
-    """Gauss–Legendre stations (m) along a leg, and the length (m) that each represents."""
+    """Gauss–Legendre stations (n, in m) along a leg, and lengths (n, in m) that they represent."""
     points, weights = np.polynomial.legendre.leggauss(count)
     return 0.5 * length * (1.0 + points), 0.5 * length * weights
 
 
 def centreline_weights(properties: BeamProperties, lengths: Array) -> Array:
-    """Masses and rotary inertias (6m) of twists sampled at stations on a centreline.
+    """Masses (kg) and rotary inertias (kg m², 6n in all) of twists sampled at n stations of a leg.
 
-    `lengths` (m): length that each station represents.
+    `lengths` (n, in m): length that each station represents.
     """
     p = properties
     per_length = np.array([p.mu, p.mu, p.mu, p.rho_J, p.rho_Iy, p.rho_Iz])

@@ -97,11 +97,11 @@ def partners(
 
 
 def shares_by_shape(reference: PathModes, other: PathModes, shares: Array, count: int) -> Array:
-    """Numbers of the modes of another model, assigned to the modes of the reference by shape.
+    """Numerical values of another model's modes, assigned to the reference's modes by shape.
 
-    `shares` (p×n, ≥ 0): a number for each mode of `other`, such as a relative half-width; NaN if
-    unknown. The result (p×count) has the number of the partner of each of the first `count` modes
-    of the reference, and NaN for a mode without a partner. Modes that mix have the sum over all of
+    `shares` (p×n, ≥ 0): a value for each mode of `other`, such as a relative half-width; NaN if
+    unknown. The result (p×count) has the value of the partner of each of the first `count` modes of
+    the reference, and NaN for a mode without a partner. Modes that mix have the sum over all of
     them, see `_sums`. Array sizes: p poses, n modes of `other`.
     """
     indices, mixed = _pairs(reference, other)
@@ -193,7 +193,7 @@ def _sampled(reference: PathModes, model: PathModes) -> Iterator[tuple[SampledMo
 def _at_pose(
     reference: SampledModes, model: SampledModes, count: int, frequency_uncertainties: Array | None
 ) -> dict[str, Array | IntArray | BoolArray]:
-    """Fields of `Partners` in one pose, by name."""
+    """Fields of `Partners` (K each, K = `count`) in one pose, by name."""
     uncertainties = np.zeros(len(reference.frequencies))
     if frequency_uncertainties is not None:
         judged = min(len(uncertainties), len(frequency_uncertainties))

@@ -58,11 +58,11 @@ def half_widths_by(
     size: Callable[[Array], Array],
     combiner: Combiner,
 ) -> Array:
-    """Half-widths of `numbers`, a function of the inputs of a model, due to perturbed inputs.
+    """Half-widths (…) of the results `numbers` (…) of a model due to perturbed inputs.
 
-    `nominal`: inputs without a perturbation. `perturbed`: pairs of a factor and inputs with one
-    perturbation. The factor multiplies the change of the numbers that the perturbation causes.
-    `size` is that of `combined`.
+    `numbers` is a function of the inputs. `nominal`: inputs without a perturbation. `perturbed`:
+    pairs of a factor and inputs with one perturbation. The factor multiplies the change of the
+    numbers that the perturbation causes. `size` is that of `combined`.
     """
     unperturbed = numbers(nominal)
     changes = [factor * (numbers(inputs) - unperturbed) for factor, inputs in perturbed]

@@ -85,7 +85,7 @@ def richardson(middle: F, fine: F, ratio: float, order: float) -> F:
 def pairwise_orders(sizes: Array, values: Array) -> Array:
     """Observed orders (n − 2), one for every three neighbouring meshes. NaN if there is none.
 
-    Shapes: n meshes.
+    `sizes` and `values` (n each) are mesh sizes, from coarse to fine, and values on the meshes.
     """
     ratios = sizes[:-1] / sizes[1:]
     return np.array(
@@ -99,7 +99,8 @@ def pairwise_orders(sizes: Array, values: Array) -> Array:
 def fit_order(sizes: Array, values: Array) -> float:
     """Order p in (0, 12] of f = f∞ + C hᵖ, fitted to values on at least three meshes.
 
-    It minimises the residual of the least-squares fit with the weights of `_fitted`.
+    `sizes` and `values` (n each) are mesh sizes and values. The order minimises the residual of the
+    least-squares fit with the weights of `_fitted`.
     """
 
     def residual(order: float) -> float:
@@ -116,7 +117,10 @@ def fit_order(sizes: Array, values: Array) -> float:
 
 
 def _residuals(sizes: Array, values: Array, orders: Array) -> Array:
-    """Norms (m) of the residual that `fit_order` minimises, for each of m `orders`."""
+    """Norms (m) of the residual that `fit_order` minimises, for each of m `orders`.
+
+    `sizes` and `values` are those of `fit_order`.
+    """
     shape, root = sizes / sizes[-1], np.sqrt(sizes[-1] / sizes)
     weighted = root * values
     basis = np.stack(
@@ -160,8 +164,10 @@ def _order_to_limit(counts: Sequence[int], errors: Array, floor: float) -> float
 def _fitted(sizes: Array, values: Array, orders: tuple[float, ...]) -> tuple[Array, Array]:
     """f∞ and Cᵢ of f = f∞ + Σ Cᵢ h^pᵢ, and residuals of the fit, for the orders pᵢ.
 
-    h is relative to that of the finest mesh. Least squares with weights 1/h (Eça and Hoekstra, J.
-    Comput. Phys. 262 (2014) 104), so that fine meshes have more weight.
+    `sizes` and `values` (n each) are mesh sizes h and values f; in the fit, h is relative to that
+    of the finest mesh. The first result contains f∞ and the k coefficients Cᵢ, the second the n
+    residuals. Least squares with weights 1/h (Eça and Hoekstra, J. Comput. Phys. 262 (2014) 104),
+    so that fine meshes have more weight.
     """
     shape = sizes / sizes[-1]
     root = 1.0 / np.sqrt(shape)
@@ -248,7 +254,8 @@ def uncertainty_of(convergence: Convergence) -> float:
 def uncertainty_of_known_orders(sizes: Array, values: Array, orders: tuple[float, ...]) -> float:
     """Numerical uncertainty of the finest value from known orders of convergence, in its unit.
 
-    f = f∞ + Σ Cᵢ h^pᵢ by least squares with weights 1/h, on at least one mesh more than the fit has
+    `sizes` and `values` (n each) are mesh sizes h, from coarse to fine, and values f. f = f∞ + Σ Cᵢ
+    h^pᵢ is fitted by least squares with weights 1/h, on at least one mesh more than the fit has
     coefficients. The result is 1.25 (ASME's factor for proven convergence) times the error of the
     finest value, plus the largest deviation from the fit. Raises ValueError for fewer meshes.
     """

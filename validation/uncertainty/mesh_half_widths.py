@@ -61,8 +61,8 @@ def mesh_half_widths(changes: Sequence[Array], policy: MeshPolicy) -> Array:
     """Half-widths on a mesh, from the magnitudes of `changes` between successive meshes.
 
     There are one or two changes, of the same, arbitrary shape; the last one is the change to this
-    mesh, or from it if the policy's ratio is below one. The result has the unit of the changes. NaN
-    stays NaN.
+    mesh, or from it if the policy's ratio is below one. The result has the shape and unit of a
+    change. NaN stays NaN.
     """
     *earlier, last = changes
     order = policy.orders[0]

@@ -3,9 +3,9 @@
 Input: postures of a mechanism with loads, and a model. Output: twists of the loaded point (p
 postures × l loads × 6, m and rad, base axes). Rule: weight and inertia act on the masses of the
 model. If the model has no mass, weight and inertia act on the following masses: those of beams for
-legs with a section, those of the robot file for legs specified by their 6×6, and those of the part
-for CAD parts. If a body is rigid in the model, the loads on its mass act as a statically equivalent
-wrench.
+legs with a section, those of the robot file for legs specified by their 6×6 compliance, and those
+of the part for CAD parts. If a body is rigid in the model, the loads on its mass act as a
+statically equivalent wrench.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -97,9 +97,9 @@ def displacements_by(
     """Displacements (p×l×6, m and rad) of the tool under all loads in each posture, by `solve`.
 
     `solve` returns the displacements of the tool under several loads in a posture. `bodies`: masses
-    and pressures on which the loads act. `theory`: beam theory that reduces loads along legs to
-    loads at their ends. NaN if the mechanism cannot move as a load requires. Shapes: p postures, l
-    loads.
+    on which the loads act, and wrenches of their pressures. `theory`: beam theory that reduces
+    loads along legs to loads at their ends. NaN if the mechanism cannot move as a load requires.
+    Shapes: p postures, l loads.
     """
     loads = postures[0].mechanism.loads
     displacements = np.full((len(postures), len(loads), 6), np.nan)
@@ -134,11 +134,11 @@ def interface_loads(
     masses: Masses = MASSES[0],
     parts: Mapping[str, BodyModel] | None = None,
 ) -> InterfaceLoads:
-    """Masses and pressures on which loads act in models without mass.
+    """Masses on which loads act, and wrenches of pressures, for models without mass.
 
     Legs have the masses of beams, CAD parts those of their models `parts`. If `parts` is None, the
-    parts are condensed here. `masses` is the mass distribution in legs specified by their 6×6. The
-    result has no masses if no load acts on mass.
+    parts are condensed here. `masses` is the mass distribution in legs specified by their 6×6
+    compliance. The result has no masses if no load acts on mass.
     """
     pressures = unit_pressures(mechanism, parts)
     if not any(load.acts_on_mass for load in mechanism.loads):
@@ -151,7 +151,7 @@ def interface_loads(
 
 
 def interface_mass(model: BodyModel) -> Array:
-    """Mass matrix of a model condensed to its interfaces.
+    """Mass matrix (6m×6m) of a model condensed to the twists of its m interfaces.
 
     Reductions by Craig and Bampton and by Guyan have the same condensed mass matrix.
     """

@@ -1,12 +1,12 @@
-"""Plausible distributions of mass and stiffness along a leg that is specified by its 6×6.
+"""Plausible distributions of mass and stiffness along a leg specified by its 6×6 compliance.
 
-Input: the 6×6 of a leg, its mass and, if known, centre of mass and inertia. Output: matrices of the
-leg with each plausible distribution. Rule: between its ends the leg has exactly its 6×6. Along its
-length it is a uniform beam with that 6×6, once as soft and once as stiff as such beams can be
-(`fem.beams.interior`). All distributions have the leg's mass, and its centre of mass if it is
-known. Only the lumped mass can have the inertia of the robot file, since mass along a line cannot.
-A verdict that is the same for all distributions holds for any leg; if verdicts differ, more data
-are needed.
+Input: the 6×6 compliance of a leg, its mass and, if known, centre of mass and inertia. Output:
+matrices of the leg with each plausible distribution. Rule: between its ends the leg has exactly
+this compliance. Along its length it is a uniform beam with this compliance, once as soft and once
+as stiff as such beams can be (`fem.beams.interior`). All distributions have the leg's mass, and its
+centre of mass if it is known. Only the lumped mass can have the inertia of the robot file, since
+mass along a line cannot. A verdict that is the same for all distributions holds for any leg; if
+verdicts differ, more data are needed.
 """
 
 from collections.abc import Collection, Mapping
@@ -44,7 +44,7 @@ _POINTS = 4
 
 
 class Inside(NamedTuple):
-    """Distribution of mass, and of stiffness, inside the legs specified by their 6×6."""
+    """Distribution of mass, and of stiffness, inside the legs specified by their 6×6 compliance."""
 
     masses: Masses
     interior: Interior = "uniform"
@@ -57,7 +57,7 @@ def plausible_insides(legs: Collection[GivenLeg]) -> tuple[Inside | None, ...]:
     """All plausible distributions of mass and stiffness inside the legs.
 
     First the uniform distribution, then each mass distribution with the softest and with the
-    stiffest interior. (None,) if no leg is specified by its 6×6.
+    stiffest interior. (None,) if no leg is specified by its 6×6 compliance.
     """
     if not legs:
         return (None,)
@@ -78,7 +78,7 @@ def plausible_masses(legs: Collection[GivenLeg]) -> tuple[Masses, ...]:
 
 
 def leg_with_inside(leg: GivenLeg, inside: Inside, highest: float) -> LegMatrices:
-    """Matrices of a leg from its 6×6 and an assumed distribution of mass and stiffness.
+    """Matrices of a leg from its compliance and an assumed distribution of mass and stiffness.
 
     They are accurate up to `highest` (Hz). A lumped mass lies at the leg's `mass_centre`, or in the
     middle if that is unknown; it is a point mass if `inertia` is unknown. If `mass_centre` is
@@ -110,8 +110,8 @@ def shapes_inside(leg: GivenLeg, inside: Inside, highest: float, elements: int) 
 def by_shapes(shapes: Array, leg: GivenLeg, inside: Inside, elements: int) -> LegMatrices:
     """Stiffness and mass matrix of a leg, reduced to `shapes` (n×r).
 
-    The shapes are those of this leg, or of one with a slightly different 6×6; in the second case
-    the matrices are accurate to first order. The beam has n unknowns.
+    The shapes are those of this leg, or of one with a slightly different compliance; in the second
+    case the matrices are accurate to first order. The beam has n unknowns.
     """
     beam = interior_beam(leg, inside.interior, elements)
     stiffness = shapes.T @ (beam.stiffness @ shapes)
@@ -151,7 +151,7 @@ def _mass(beam: LegMatrices, leg: GivenLeg, masses: Masses, elements: int) -> Sp
 
 
 def _line(leg: GivenLeg, masses: Masses, elements: int) -> tuple[Array, Array]:
-    """Stations (distance from the root, m) and the share of the leg's mass at each.
+    """Stations (n, m from the root) and the share (n) of the leg's mass at each.
 
     `masses` must not be the lumped mass.
     """
