@@ -329,7 +329,7 @@ def _named_fields(deflections: Array, shapes: Array) -> dict[str, Array]:
 
 
 def _vectors_of(fields: Mapping[str, Array]) -> dict[str, Array]:
-    """Displacements and rotations (n×3 each), by name, from flattened twists (6n) on a centreline."""
+    """Displacements and rotations (n×3 each) by name, from twists (6n) along a centreline."""
     vectors = {}
     for name, field in fields.items():
         twists = np.asarray(field).reshape(-1, 6)

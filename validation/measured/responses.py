@@ -137,8 +137,8 @@ def _fitted_value(
 
     The fit uses the spectral lines of response number `row` near the frequency, and the damped mode
     number `column` of the test. The uncertainty has two independent parts. The first is the larger
-    of the scatter about the fit and of √((1 − γ²)/(2γ²N)) of a spectral line due to the coherence γ²
-    of N averages (Bendat and Piersol, Random Data, 4th ed., table 9.6). The second is the
+    of the scatter about the fit and of √((1 − γ²)/(2γ²N)) of a spectral line due to the coherence
+    γ² of N averages (Bendat and Piersol, Random Data, 4th ed., table 9.6). The second is the
     calibration of the hammer.
     """
     natural, ratio, line_frequencies = (
