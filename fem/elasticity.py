@@ -72,7 +72,7 @@ def _stable_order(keys: NDArray[np.integer], bound: int) -> NDArray[np.integer]:
 
 
 def node_pairs(cells: IntArray, node_count: int) -> NodePairs:
-    """Pairs of nodes of a mesh with connectivity `cells` (E×k)."""
+    """Pairs of nodes of a mesh with connectivity `cells` (E×k) and `node_count` nodes."""
     nodes = cells.astype(np.int32)
     rows, columns = np.broadcast_arrays(nodes[:, :, None], nodes[:, None, :])
     upper = rows <= columns

@@ -84,7 +84,7 @@ def kinds_of(properties: BeamProperties) -> tuple[Kind, ...]:
 def _ascending(
     properties: BeamProperties, length: float, kind: Kind
 ) -> Iterator[CantileverFrequency]:
-    """Yield all natural frequencies of one kind of deformation, ascending."""
+    """Yield all natural frequencies of one `kind` of deformation, ascending. `length` is in m."""
     for order in naturals(1):
         frequency = frequency_of_kind(properties, length, kind, order)
         yield CantileverFrequency(frequency, kind, order)
@@ -158,7 +158,7 @@ def _plane(p: BeamProperties, plane: Plane) -> _Plane:
 
 
 def _bending_frequency(beam: _Plane, length: float, order: int) -> float:
-    """Natural frequency (Hz) number `order` (from 1) of bending in one plane."""
+    """Natural frequency (Hz) number `order` (from 1) of bending in one plane. `length` is in m."""
     root = _euler_bernoulli_root(order)
     explicit = root**2 * sqrt(beam.EI / beam.mu) / length**2
     if beam.shear_flexibility == 0.0 and beam.rho_I == 0.0:
@@ -207,7 +207,7 @@ def _upper_bound(beam: _Plane, length: float, order: int, euler_bernoulli: float
 def _root(beam: _Plane, length: float, index: int, bound: float) -> float:
     """Angular frequency ω (rad/s) number `index` (from 0) of a cantilever in bending.
 
-    The root lies below `bound` (rad/s).
+    The root lies below `bound` (rad/s). `length` (m) is that of the cantilever.
     """
     pieces = _pieces(beam, length, _ROOM * bound)
 
@@ -235,8 +235,8 @@ def _pieces(beam: _Plane, length: float, omega: float) -> int:
 def _dynamic_stiffness(beam: _Plane, length: float, pieces: int, omega: float) -> Array:
     """Dynamic stiffness K(ω) of the clamped–free beam, in units of EI/l.
 
-    The beam is divided into `pieces` of length l. The unknowns are (w/l, θ) at the ends of the
-    pieces, except at the root.
+    The beam is divided into `pieces` of length l. `omega` is ω in rad/s. The unknowns are (w/l, θ)
+    at the ends of the pieces, except at the root.
     """
     return _clamped_chain(_piece_stiffness(beam, length / pieces, omega), pieces)
 
@@ -257,8 +257,9 @@ def _clamped_chain(piece: Array, pieces: int) -> Array:
 def _piece_stiffness(beam: _Plane, l: float, omega: float) -> Array:
     """Exact dynamic stiffness K(ω) (4×4, units of EI/l) of a piece of length l.
 
-    The unknowns are (w/l, θ) at both ends. K follows from the matrix exponential for the state (w,
-    θ, V, M) with w′ = θ + V/κGA, θ′ = M/EI, V′ = −ω²μ w, M′ = −V − ω²ρI θ.
+    The unknowns are (w/l, θ) at both ends. `omega` is ω in rad/s. K follows from the matrix
+    exponential for the state (w, θ, V, M) with w′ = θ + V/κGA, θ′ = M/EI, V′ = −ω²μ w, M′ = −V −
+    ω²ρI θ.
     """
     shear = beam.shear_flexibility * beam.EI / l**2
     translation = omega**2 * beam.mu * l**4 / beam.EI
@@ -328,7 +329,10 @@ def _coupled(p: BeamProperties, size: float) -> _Coupled:
 
 
 def _coupled_frequency(p: BeamProperties, length: float, order: int) -> float:
-    """Natural frequency (Hz) number `order` (from 1) of bending in both planes with torsion."""
+    """Natural frequency (Hz) number `order` (from 1) of coupled bending. `length` is in m.
+
+    Bending in both planes is coupled, or bending is coupled with torsion.
+    """
     lower, upper = 0.0, np.pi / (2.0 * length) ** 2 * sqrt(max(p.EIy, p.EIz) / p.mu)
     while _coupled_count(p, length, upper) < order:
         lower, upper = upper, 1.5 * upper
@@ -343,7 +347,7 @@ def _coupled_frequency(p: BeamProperties, length: float, order: int) -> float:
 
 
 def _coupled_count(p: BeamProperties, length: float, omega: float) -> int:
-    """Number of the coupled cantilever's natural frequencies below `omega` (rad/s)."""
+    """Number of natural frequencies below `omega` (rad/s) of coupled bending of a cantilever."""
     pieces = _coupled_pieces(p, length, omega)
     stiffness = _coupled_stiffness(_coupled(p, length / pieces), pieces, omega)
     return int(np.count_nonzero(eigvalsh(stiffness) < 0.0))

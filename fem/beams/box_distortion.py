@@ -102,10 +102,11 @@ def _span_matrices(
     torques: Callable[[Array], Array],
     frame_stiffness: Callable[[ConstantLeg], float],
 ) -> tuple[Array, Array, float]:
-    """Stiffness matrices (e×3n×3n) and loads (e×3n) of `count` elements of a span.
+    """Stiffness matrices (e×3n×3n) and loads (e×3n) of the e = `count` elements of a span.
 
     The unknowns of the n nodes of an element are γ of all nodes, then θ, then u. The third value is
-    the energy (J), times two, of edges that are kept in the strains of Bredt's torsion.
+    twice the energy (J) of edges that are kept at the strains ε of Bredt's torsion. `torques` and
+    `frame_stiffness` are those of `distortion_work`.
     """
     points, weights = legendre.leggauss(_POINTS)
     length = span.end - span.start
@@ -123,7 +124,10 @@ def _span_matrices(
     values, rates = np.broadcast_to(values, shape), np.broadcast_to(rates, shape)
 
     def motion(width: Array, rate: float, of_rotation: float) -> tuple[Array, Array]:
-        """Displacement of a wall, (`of_rotation` θ − γ/4) `width`, and its rate of change."""
+        """Displacement (`of_rotation` θ − γ/4) `width` of a wall, and its derivative along the leg.
+
+        Both are matrices (e×q×3n) on the unknowns. `width` (e×q, in m) has the derivative `rate`.
+        """
         size = width[..., None]
         slopes = size * rates + rate * values
         return (
@@ -176,7 +180,10 @@ def _basis(points: Array, length: float) -> tuple[Array, Array]:
 def _frame_stiffnesses(
     leg: LineLeg, span: Span, frame_stiffness: Callable[[ConstantLeg], float], shares: Array
 ) -> Array:
-    """Frame stiffness k (N) at fractions `shares` of a span, of any shape."""
+    """Frame stiffness k (N, …) at fractions `shares` (…) of the length of a span.
+
+    `frame_stiffness` is that of `distortion_work`.
+    """
 
     def prism(share: float) -> ConstantLeg:
         return ConstantLeg(span.end - span.start, span.section(share), leg.material)

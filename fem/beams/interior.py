@@ -103,7 +103,7 @@ def interior_properties(leg: GivenLeg, interior: Interior) -> BeamProperties:
 def _between_ends(length: float, squared_height: float) -> float:
     """Length (m) of a leg without the end regions that rigid faces stiffen.
 
-    `squared_height` (m²) is the square of the section's height.
+    `length` (m) is that of the whole leg, `squared_height` (m²) the square of the section's height.
     """
     return length - 2.0 * min(_HELD_LENGTH * sqrt(squared_height), _LONGEST_HELD * length)
 

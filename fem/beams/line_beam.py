@@ -130,9 +130,10 @@ def _twists(
     """6k × `size` matrix that maps the unknowns to the twists of the sections at k `stations`.
 
     `stations` are distances (m) along the line. `edges` (m) are the ends of the elements, `places`
-    the indices of each element's unknowns. `about_origin` contains, for unit unknowns of each
-    element, the twists of the sections at its Gauss points. These twists are referred to the
-    element's point in `origins` (3 each, in m). Twists at the stations are interpolated from them.
+    the indices of each element's unknowns. `about_origin` (elements × points × 6 × unknowns)
+    contains, for unit unknowns of each element, the twists of the sections at its Gauss points.
+    These twists are referred to the element's point in `origins` (elements × 3, in m). Twists at
+    the stations are interpolated from them.
     """
     positions = np.atleast_1d(np.asarray(stations, dtype=float))
     length, elements = edges[-1], len(edges) - 1

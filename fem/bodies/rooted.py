@@ -50,7 +50,7 @@ class _Rooting:
     wrenches: Any
 
     def expanded(self, x: Any) -> Any:
-        """Displacements P x: those of `x` minus the rigid motion of the first interface in them."""
+        """Displacements P x: those of `x` (n×k) minus the rigid motion of the first interface."""
         return x - self.motions @ (self.wrenches.T @ x[self.rows])
 
     def equilibrated(self, forces: Any) -> Any:
@@ -105,7 +105,7 @@ class RootedBody:
             require_memory(self.pencil.symbolic.peak_bytes, self.solid.size, self.name)
 
     def expanded(self, x: Any) -> Any:
-        """Displacements `x` minus the rigid motion of the first interface in them."""
+        """Displacements `x` (n×k) minus the rigid motion of the first interface in them."""
         return self._rooting(x).expanded(x)
 
     def equilibrated(self, forces: Any) -> Any:

@@ -187,8 +187,9 @@ def compliance_and_frequencies(
 ) -> tuple[Array, Array]:
     """Compliance (6×6, SI, base axes) at the loaded point and natural frequencies (Hz) by CalculiX.
 
-    Values are those that CalculiX prints, with seven digits. The compliance is not made symmetric.
-    Idle motions are omitted. Raises errors as `run_calculix` does.
+    `legs` contains the solid of each body that is not rigid, by body name. `modes` is the number of
+    frequencies. Values are those that CalculiX prints, with seven digits. The compliance is not
+    made symmetric. Idle motions are omitted. Raises errors as `run_calculix` does.
     """
     model = mechanism_deck(posture, legs, modes)
     results = run_calculix(model.deck)

@@ -225,7 +225,8 @@ def _boundary(kind: PrismWaves, length: float, omega: float) -> tuple[Array, Arr
 
     Each column belongs to the amplitude of a field or to a component of the wrench on the root.
     Columns are normalised. The tip motion (m or rad) is the one on which the first unit wrench of
-    this `kind` does work. `omega` is the angular frequency (rad/s).
+    this `kind` does work. `length` (m) is that of the cantilever, `omega` (rad/s) the angular
+    frequency.
     """
     fields, tractions = kind.fields, kind.tractions
     left, right = fields.squares_problem(omega)

@@ -90,8 +90,8 @@ def counted_modes(body: VibratingBody, cutoff: float) -> CountedModes:
 def _counted(body: VibratingBody, modes: Modes, cutoff: float) -> tuple[float, int]:
     """Frequency (Hz) at or slightly below the cut-off, and the number of eigenvalues below it.
 
-    The frequency is not near that of any of the `modes`. Raises ComputationError if eigenvalues
-    cannot be counted there.
+    `cutoff` is in Hz. The frequency is not near that of any of the `modes`. Raises ComputationError
+    if eigenvalues cannot be counted there.
     """
     for share in _PLACES:
         frequency = share * cutoff

@@ -64,7 +64,7 @@ class Superelement:
 
 
 def end_motions(length: float) -> Array:
-    """Twists of root and tip (12×6, leg axes) in the six rigid motions of a leg about its root."""
+    """Twists of root and tip (12×6, leg axes) in six rigid motions of a leg of `length` (m)."""
     return np.vstack([np.eye(6), shift(np.array([length, 0.0, 0.0]))])
 
 

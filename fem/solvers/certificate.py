@@ -65,11 +65,11 @@ def count_below(
 ) -> Inertia:
     """Numbers of negative, zero and positive eigenvalues of K − σM.
 
-    The springs of the pencil do not count. `sigma` is σ in rad²/s². `negative` is the number of
-    eigenvalues of K x = λ M x below σ. If `zero` is above zero, σ is too near an eigenvalue and
-    must be changed. With `constraints` B (n×c, of full rank), only vectors with Bᵀx = 0 are
-    admissible. `room` is a factor whose memory may be released for the count. None if there is
-    none.
+    The springs of the pencil have no effect on the numbers. `sigma` is σ in rad²/s². `negative` is
+    the number of eigenvalues of K x = λ M x below σ. If `zero` is above zero, σ is too near an
+    eigenvalue and must be changed. With `constraints` B (n×c, of full rank), only vectors with Bᵀx
+    = 0 are admissible. `room` is a factor whose memory may be released for the count. None if there
+    is none.
     """
     n, springs = pencil.symbolic.size, pencil.springs
     if room is not None:

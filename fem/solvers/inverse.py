@@ -77,9 +77,10 @@ def inverse(symbolic: Symbolic, motions: Array, places: Array, part: str) -> Ren
     """Inverse K⁻¹ of the stiffness of a supported solid (n unknowns), by a factor or by GAMG.
 
     GAMG is used if it is requested, or if PETSc is requested and a factor does not fit the
-    available memory. The arguments are those of `RenewableIteration`. The factor or multigrid is
-    computed at once. Raises NotPositiveDefiniteError if the solid is not sufficiently supported,
-    ComputationError if the computation fails.
+    available memory. `motions` and `places` are those of `RenewableIteration`. `part` is the name
+    of the matrix in messages. The factor or multigrid is computed at once. Raises
+    NotPositiveDefiniteError if the solid is not sufficiently supported, ComputationError if the
+    computation fails.
     """
     request = requested_solver()
     if request is Solver.GAMG or (request is Solver.PETSC and not _fits(symbolic)):

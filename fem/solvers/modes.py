@@ -70,7 +70,7 @@ def certify(values: Array, beyond: float, count: Count, part: str) -> float:
     `values` are the eigenvalues found (ω², ascending), `beyond` is the next one, or infinite if it
     is unknown. `count` is a function of σ that returns the inertia of K − σM. `part` is the name in
     messages. Raises MissedModesError if the count is higher than the number of values,
-    ComputationError if it is lower or impossible.
+    ComputationError if the count is lower or cannot be made.
     """
     last, mode_count = float(values[-1]), len(values)
     half_way = (beyond - last) / 2.0

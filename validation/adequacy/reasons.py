@@ -86,7 +86,7 @@ def reason_of(
 
 
 def _reason_without_number(errors: Errors, quantity: Quantity, pose: int) -> str:
-    """Reason why the model has no value to compare: a phrase that follows the model's name."""
+    """Reason why the model has no value in a `pose`: a phrase that follows the model's name."""
     if quantity.static:
         return "is elastic in a direction in which the reference is rigid"
     if quantity.harmonic:
@@ -121,7 +121,7 @@ def _deciding_information(errors: Errors, reference: Reference, pose: int, limit
 def _misplaced_modes(errors: Errors, reference: Reference, pose: int) -> list[str]:
     """Texts on modes whose numbers differ from the reference, one for each interpretation.
 
-    [] if all interpretations agree.
+    `pose` is the index of the pose. [] if all interpretations agree.
     """
     if errors.numbers is None:
         return []

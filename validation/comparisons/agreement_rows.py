@@ -118,7 +118,7 @@ def agreement_rows(outcomes: Iterable[Outcome]) -> ResultTable:
 
 
 def percent(share: float) -> str:
-    """Ratio in per cent with its sign and three digits."""
+    """Text of the ratio `share` in per cent, with its sign and three digits."""
     return f"{100.0 * share:+.3g} %"
 
 

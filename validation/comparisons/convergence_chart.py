@@ -60,7 +60,8 @@ def convergence_chart(
 ) -> Chart:
     """Chart with one panel for each quantity of a subject; errors in per cent.
 
-    Lines mark the error limit and the element count of `agreement`. `columns`: panels in a row.
+    Lines mark the error limit and the element count of `agreement`. `x_label`: label of the axis of
+    element counts. `columns`: panels in a row.
     """
     counts = np.unique(np.concatenate([curve.counts for panel in panels for curve in panel.curves]))
     columns = min(columns, len(panels))

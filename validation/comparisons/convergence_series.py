@@ -151,10 +151,11 @@ class ConvergenceSeries:
     def asymptotic_order(self, column: int) -> tuple[float, float]:
         """Order of a quantity in 1/n for many elements, and its half-width.
 
-        Errors C n^−p (1 + a/n²) at counts k < m < n show the orders p₁ = p + b/(km) between the
-        first two counts and p₂ = p + b/(mn) between the last two, with a constant b ≈ 2a, so that p
-        = p₂ + (p₂ − p₁) k/(n − k). The half-width is the distance of p from the order fitted to the
-        three counts. It is infinite if fewer than two pairs of counts have an order.
+        `column` is that of the quantity. Errors C n^−p (1 + a/n²) at counts k < m < n show the
+        orders p₁ = p + b/(km) between the first two counts and p₂ = p + b/(mn) between the last
+        two, with a constant b ≈ 2a, so that p = p₂ + (p₂ − p₁) k/(n − k). The half-width is the
+        distance of p from the order fitted to the three counts. It is infinite if fewer than two
+        pairs of counts have an order.
         """
         fitted, orders = float(self.orders[column]), self.pairwise_orders(column)
         *_, first, last = (-1, -1, *np.flatnonzero(~np.isnan(orders)))
@@ -166,7 +167,7 @@ class ConvergenceSeries:
         return order, abs(order - fitted)
 
     def behaviour(self, column: int) -> str:
-        """Text with the observed order, or with the reason why there is none."""
+        """Text with the observed order of the quantity in `column`, or why there is none."""
         if self.exact[column]:
             return "exact"
         order = self.orders[column]

@@ -93,7 +93,7 @@ def series_cells(
 def short_summary(series: ConvergenceSeries, column: int, stated: int | None) -> str:
     """Text: error at the `stated` count; smallest counts for errors of 1, 0.1 and 0.01 %.
 
-    Example: "+0.009 % (2, 6, 19)".
+    The text is about the quantity in `column`. Example: "+0.009 % (2, 6, 19)".
     """
     needed = [str(count or f"over {series.counts[-1]}") for count in series.needed[:, column]]
     return f"{_stated_error(series, column, stated)} ({', '.join(needed)})".strip()
@@ -102,7 +102,8 @@ def short_summary(series: ConvergenceSeries, column: int, stated: int | None) ->
 def summary(series: ConvergenceSeries, column: int, stated: int | None) -> str:
     """Error at the `stated` count and smallest counts for errors of 1, 0.1 and 0.01 %, in words.
 
-    The error is omitted if `stated` is None or was not computed.
+    The text is about the quantity in `column`. The error is omitted if `stated` is None or was not
+    computed.
     """
     needed = [
         f"{100.0 * target:g} % needs {count or f'more than {series.counts[-1]}'}"
@@ -121,7 +122,7 @@ def _stated_error(series: ConvergenceSeries, column: int, stated: int | None) ->
 def series_record(
     series: ConvergenceSeries, quantities: Sequence[str], refined: Literal["elements", "divisions"]
 ) -> SeriesRecord:
-    """JSON object of the series."""
+    """JSON object of the series. `quantities` are the names of its columns."""
     discretisation = series.discretisation
 
     def by_quantity(values: Array) -> dict[str, Any]:

@@ -225,7 +225,7 @@ def rigid_end_share(leg: ConstantLeg, divisions: int, kind: str) -> float:
     """Relative increase of a leg's stiffness due to rigid end faces, under a load at its tip.
 
     A first frequency rises by about half of this ratio (Rayleigh). `kind` is the deformation, such
-    as "torsion".
+    as "torsion". `divisions` are the elements across the section.
     """
     entry = _STRAINED[kind]
     restraint = face_restraints(leg, (divisions,))[0][entry]
@@ -233,7 +233,10 @@ def rigid_end_share(leg: ConstantLeg, divisions: int, kind: str) -> float:
 
 
 def compliance_band(leg: ConstantLeg, divisions: int) -> tuple[Array, Array]:
-    """Tip compliances (6×6, SI) of the stiffest and softest beam by correct textbook formulas."""
+    """Tip compliances (6×6, SI) of the stiffest and softest beam by correct textbook formulas.
+
+    `divisions` are the elements across the section for the exact section constants.
+    """
     soft, stiff = leg_formula_band(leg, divisions)
     return tip_compliance(stiff, leg.length), tip_compliance(soft, leg.length)
 
@@ -242,7 +245,8 @@ def frequency_band(leg: ConstantLeg, divisions: int, kinds: tuple[tuple[Kind, in
     """Bounds (2×k, Hz) of the frequencies of k modes, by the softest and by the stiffest beam.
 
     Both beams have section constants by correct textbook formulas. `kinds` has the kind of
-    deformation and the order of each mode.
+    deformation and the order of each mode. `divisions` are the elements across the section for the
+    exact section constants.
     """
     return frequencies_by_kind(leg_formula_band(leg, divisions), leg.length, kinds)
 

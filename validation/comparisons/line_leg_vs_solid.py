@@ -177,7 +177,8 @@ def _free_half_width(leg: LineLeg, coarse: float, fine: float, ratio: float) -> 
 def _on_solid_mesh(leg: LineLeg, divisions: int) -> Callable[[ConstantLeg], SectionMesh]:
     """Function that returns the section mesh that the leg's solid has at one section of the leg.
 
-    The argument of the function is a prism with this section.
+    `divisions` are the elements across the section. The argument of the function is a prism with
+    the section of the leg at one position.
     """
     reference = mesh_section(leg)
     face = section_mesh(reference, divisions)

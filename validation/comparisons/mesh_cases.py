@@ -313,8 +313,9 @@ def _study(
 ) -> Study:
     """Study of `values` over the number of `unknowns` of the meshes, for the report.
 
-    `name` is the last part of the study's id. `panel`: title of the panel, label of the y axis and
-    unit. `variant`: text on the element type and end condition. `order`: formal order.
+    `body` is the name of the leg, `name` the last part of the study's id. `panel`: title of the
+    panel, label of the y axis and unit. `variant`: text on the element type and end condition.
+    `order`: formal order.
     """
     title, label, unit = panel
     observed = convergence.observed_order

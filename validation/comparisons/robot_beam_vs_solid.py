@@ -325,7 +325,7 @@ def robot_modes(
 ) -> RobotModes:
     """Frequencies with solid legs and with the corresponding beams, on two meshes.
 
-    `count` modes are computed of each model.
+    `count` modes are computed for each model.
     """
     legs, ends = _prisms(posture.mechanism), _ends(posture.mechanism, limits)
     free: Holds = dict.fromkeys(legs, "free")
@@ -389,7 +389,7 @@ def robot_modes(
 def _beam_vibration(
     posture: Posture, beams: Mapping[ConstantLeg, LegMatrices], count: int
 ) -> tuple[PathModes, dict[ConstantLeg, CraigBampton]]:
-    """Modes of the robot with the models `beams` of its legs, and the reduced models by leg."""
+    """Modes of the robot (`count`) with the models `beams` of its legs, and the reduced legs."""
     highest = highest_frequency((posture,), count)
     reduced = {
         leg: craig_bampton(held_leg(beam), highest, CUTOFF["beam"] * highest)

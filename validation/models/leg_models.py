@@ -207,11 +207,11 @@ def leg_modes(
 ) -> PathModes:
     """First natural modes of one leg with its root clamped or, if `free`, without supports.
 
-    The six rigid-body motions of an unsupported leg are omitted. Mode shapes of solids are sampled
-    as twists of sections; other models have no samples. For free solids, Sylvester's law of inertia
-    proves that neither a mode nor a rigid-body motion is missing. Raises InputError for
-    `simplified` (rigid legs), `vjm` and `links` (static), and ComputationError if a free leg does
-    not have six rigid-body motions.
+    `count` is the number of modes. The six rigid-body motions of an unsupported leg are omitted.
+    Mode shapes of solids are sampled as twists of sections; other models have no samples. For free
+    solids, Sylvester's law of inertia proves that neither a mode nor a rigid-body motion is
+    missing. Raises InputError for `simplified` (rigid legs), `vjm` and `links` (static), and
+    ComputationError if a free leg does not have six rigid-body motions.
     """
     if model == "simplified" or model in STATIC:
         raise InputError(

@@ -212,7 +212,7 @@ def identified_entry(
 
 
 def free_body_part(body: Body, unknowns: int | None = None, modes: int = _MODES) -> FreePart:
-    """Frequencies of a CAD part without supports; `unknowns` as for `identified`."""
+    """Frequencies of a CAD part without supports. Arguments as for `identified`."""
     file, _ = found_in(body)
     return free_entry(file, shape_of(body).material, unknowns or unknowns_of(body), modes).value()
 
@@ -247,6 +247,7 @@ def reduced(
 ) -> ReducedPart:
     """CAD part on one of its meshes, reduced for frequencies up to `highest` (Hz).
 
+    Modes are kept up to `cutoff` (Hz). `level` is the number of the mesh, 0 for the coarsest.
     `hold`: coupling of the interfaces for which the robot file specifies none. `by`: "fixed" or
     "free" interfaces in the modes of the reduction. Raises ComputationError if the reduction does
     not contain all modes below its cut-off.

@@ -285,8 +285,9 @@ def highest_frequency(
 ) -> float:
     """Frequency (Hz) up to which bodies must be accurate for `count` modes, by coarse beams.
 
-    The estimate is made in the middle posture and covers all excitations. It is rounded up in steps
-    of half an octave, so that other postures and counts can use the same bodies.
+    The estimate is made in the middle posture and covers the frequencies of all excitations. It is
+    rounded up in steps of half an octave, so that other postures and counts can use the same
+    bodies.
     """
     middle = postures[len(postures) // 2]
     # An element adds six modes to a leg, half of which are close to the true ones.

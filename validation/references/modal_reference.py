@@ -188,7 +188,10 @@ def _on_twice_as_many(robot: RobotOnPath, reading: Reading) -> PathModes | None:
 
 
 def _on_middle_mesh(robot: RobotOnPath, _: Reading) -> PathModes:
-    """Modes of the reference with the second finest mesh of CAD parts and the stiffest ends."""
+    """Modes of the reference, with the second finest mesh of CAD parts and the stiffest ends.
+
+    The ends are the first of the end conditions that the robot file allows.
+    """
     return modes_of_solids(robot, replace(robot.first_reading, part_mesh=MIDDLE))
 
 

@@ -88,9 +88,10 @@ class Samples:
     def energy_shares(self, system: System, shapes: Array, of_models: Mapping[str, Array]) -> Array:
         """Share (m) of each mode's kinetic energy that the sampled displacements represent.
 
-        `shapes` (n×m, in the n unknowns of the system) are mass-normalised. Samples of a leg with a
-        cross-section represent motions of rigid cross-sections, as in a beam; they do not contain
-        the energy of a deformation of the sections. All energy of other bodies counts as sampled.
+        `shapes` (n×m, in the n unknowns of the system) are mass-normalised. `of_models`: result of
+        `Samples.of_models`. Samples of a leg with a cross-section represent motions of rigid
+        cross-sections, as in a beam; they do not contain the energy of a deformation of the
+        sections. All energy of other bodies counts as sampled.
         """
         inside = np.zeros(shapes.shape[1])
         for name in self.prisms.keys() & of_models.keys():

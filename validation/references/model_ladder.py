@@ -66,7 +66,7 @@ def model_statics(postures: Sequence[Posture], model: ModelName, options: ModelO
 
 
 def formulation(name: str, kind: ModelName, options: ModelOptions) -> Model:
-    """Model of a formulation, such as segments or beams, with fixed options."""
+    """Model called `name` of a formulation, such as segments or beams, with fixed options."""
     return Model(
         name,
         statics=partial(_formulation_statics, kind, options),

@@ -168,7 +168,7 @@ def vibration_of(samples: Samples, posture_modes: Iterable[PostureModes], count:
 def model_vibration(
     postures: tuple[Posture, ...], model: ModelName, options: ModelOptions, count: int
 ) -> PathModes:
-    """Modes in each posture by segments or beams with textbook section constants."""
+    """First `count` modes in each posture by segments or beams, with textbook section constants."""
     mechanism = postures[0].mechanism
     samples = samples_of(mechanism)
 
@@ -188,7 +188,7 @@ def built_vibration(
     ends: Holds,
     count: int,
 ) -> PathModes:
-    """Modes in each posture, with matrices of each leg made by `build`.
+    """First `count` modes in each posture, with matrices of each leg made by `build`.
 
     Arguments of `build` are a leg, its end condition, and the frequency (Hz) up to which its
     matrices must be accurate. `parts` are models of the CAD parts. `ends`: end condition of each
@@ -218,7 +218,7 @@ def _solved_frequencies(modes: PathModes) -> Array:
 def solid_vibration(
     postures: tuple[Posture, ...], reading: Reading, mesh: LegMesh, count: int
 ) -> PathModes:
-    """Modes in each posture with legs as solids on `mesh`, reduced to their ends.
+    """First `count` modes in each posture, with legs as solids on `mesh` reduced to their ends.
 
     `reading` selects the mass and stiffness distributions in legs specified by their 6×6
     compliance, and the mesh of CAD parts.

@@ -142,7 +142,7 @@ class RobotOnPath:
     path: tuple[Posture, ...] = ()
 
     def at(self, postures: Sequence[Posture]) -> "RobotOnPath":
-        """The robot in other postures, with the reduced bodies of this one."""
+        """Copy of the robot in other postures, with bodies reduced for the original postures."""
         return replace(self, postures=tuple(postures), path=self.reduction_postures)
 
     @property

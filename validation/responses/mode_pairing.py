@@ -368,7 +368,10 @@ def _ascending(partner: IntArray, linked: BoolArray) -> IntArray:
 
 
 def centreline_samples(length: float, count: int) -> tuple[Array, Array]:
-    """Gauss–Legendre stations (n, in m) along a leg, and lengths (n, in m) that they represent."""
+    """Gauss–Legendre stations (n, in m) along a leg, and lengths (n, in m) that they represent.
+
+    `length` (m) is that of the leg, `count` the number n.
+    """
     points, weights = np.polynomial.legendre.leggauss(count)
     return 0.5 * length * (1.0 + points), 0.5 * length * weights
 

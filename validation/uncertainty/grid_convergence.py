@@ -61,8 +61,9 @@ def three_grid_order(
 ) -> float:
     """Observed order p from three meshes, with `ratio_coarse` = h1/h2 and `ratio_fine` = h2/h3.
 
-    Solves (f2 − f1)/(f3 − f2) = r2ᵖ (r1ᵖ − 1)/(r2ᵖ − 1) (Celik et al. 2008). NaN if the differences
-    change sign, vanish, or no order between 0 and 12 fits.
+    `coarse`, `middle` and `fine` are the values f1, f2 and f3. Solves (f2 − f1)/(f3 − f2) = r2ᵖ
+    (r1ᵖ − 1)/(r2ᵖ − 1) (Celik et al. 2008). NaN if the differences change sign, vanish, or no order
+    between 0 and 12 fits.
     """
     first, second = middle - coarse, fine - middle
     if first * second <= 0.0 or not isfinite(first * second):
@@ -78,7 +79,10 @@ def three_grid_order(
 
 
 def richardson(middle: F, fine: F, ratio: float, order: float) -> F:
-    """Value at h → 0 extrapolated from the two finest meshes, with `ratio` = h_middle/h_fine."""
+    """Value at h → 0 extrapolated from the two finest meshes, with `ratio` = h_middle/h_fine.
+
+    `middle` and `fine` are the values on the two meshes, `order` is the order of convergence.
+    """
     return fine + (fine - middle) / float(ratio**order - 1.0)
 
 

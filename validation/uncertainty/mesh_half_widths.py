@@ -41,7 +41,7 @@ class MeshPolicy:
 
     @classmethod
     def of_order(cls, ratio: float, order: float, safety: float = UNPROVEN) -> "MeshPolicy":
-        """Policy for two meshes with a known order of convergence."""
+        """Policy for two meshes with a known order of convergence. Arguments as in `MeshPolicy`."""
         return cls(ratio, (order, order), safety)
 
     @classmethod
@@ -50,7 +50,10 @@ class MeshPolicy:
         return cls(0.0, (1.0, 1.0), safety)
 
     def order(self, before: float, after: float) -> float:
-        """Order of convergence observed from two successive changes, each summed over numbers."""
+        """Order of convergence observed from two successive changes, `before` and `after`.
+
+        Each is a sum of magnitudes over all numbers.
+        """
         lowest, highest = self.orders
         if before > after > 0.0:
             return float(np.clip(np.log(before / after) / np.log(self.ratio), lowest, highest))

@@ -63,7 +63,7 @@ class HostSpace:
         return matrix
 
     def columns(self, size: int, count: int, filled: Array) -> Array:
-        """Array with all `count` columns, which begins with the columns `filled`.
+        """Array of `size` rows and `count` columns, which begins with the columns `filled`.
 
         Columns that have not been written take no memory.
         """

@@ -97,7 +97,8 @@ def ends_mass(leg: GivenLeg, masses: Masses) -> Array:
 def shapes_inside(leg: GivenLeg, inside: Inside, highest: float, elements: int) -> Array:
     """Shapes (n×r) of a leg's motion: static ones due to motions of the ends, then modes.
 
-    The modes are those with both ends clamped. The beam has n unknowns.
+    The modes are those with both ends clamped, for frequencies up to `highest` (Hz). The beam has n
+    unknowns and `elements` elements.
     """
     beam = interior_beam(leg, inside.interior, elements)
     held_beam = held_leg(beam)
@@ -111,7 +112,7 @@ def by_shapes(shapes: Array, leg: GivenLeg, inside: Inside, elements: int) -> Le
     """Stiffness and mass matrix of a leg, reduced to `shapes` (n×r).
 
     The shapes are those of this leg, or of one with a slightly different compliance; in the second
-    case the matrices are accurate to first order. The beam has n unknowns.
+    case the matrices are accurate to first order. The beam has n unknowns and `elements` elements.
     """
     beam = interior_beam(leg, inside.interior, elements)
     stiffness = shapes.T @ (beam.stiffness @ shapes)
@@ -133,7 +134,7 @@ def by_shapes(shapes: Array, leg: GivenLeg, inside: Inside, elements: int) -> Le
 def _mass(beam: LegMatrices, leg: GivenLeg, masses: Masses, elements: int) -> SparseMatrix:
     """Mass matrix (n×n) of a leg: mass of sections along the leg, or one lumped mass.
 
-    Shapes: n unknowns of the beam.
+    `beam` has n unknowns and `elements` elements.
     """
     if masses == "mass in lumps":
         stations = np.array([0.5 * leg.length if leg.mass_centre is None else leg.mass_centre])
@@ -153,7 +154,7 @@ def _mass(beam: LegMatrices, leg: GivenLeg, masses: Masses, elements: int) -> Sp
 def _line(leg: GivenLeg, masses: Masses, elements: int) -> tuple[Array, Array]:
     """Stations (n, m from the root) and the share (n) of the leg's mass at each.
 
-    `masses` must not be the lumped mass.
+    The leg has `elements` beam elements. `masses` must not be the lumped mass.
     """
     centre = _CENTRES.get(masses, 0.5)
     if leg.mass_centre is not None:

@@ -1,4 +1,4 @@
-"""Pressures on faces of CAD parts: their faces, and their wrenches on the interfaces of the parts.
+"""Pressures on faces of CAD parts: selected faces, and equivalent wrenches on the interfaces.
 
 Input: a mechanism with loads, and models of its CAD parts. Output: wrenches of unit pressures on
 the interfaces (`fem.bodies.pressures`), and resultants of each pressure. Rule: these wrenches

@@ -186,7 +186,8 @@ class Server:
     def factorise(self, name: int, values: Array, part: str) -> tuple[int, int]:
         """Factorise a matrix. Return its numbers of negative and of zero eigenvalues.
 
-        `name` is the name of its ordering, `values` are the entries of its triangle.
+        `name` is the name of its ordering, `values` are the entries of its triangle, and `part` is
+        its name in messages.
         """
         with self._command(part):
             self._store(f"{name}-values", values)
@@ -313,7 +314,7 @@ class Server:
 
 
 def _end(keeper: "subprocess.Popen[bytes]", pipes: tuple[int, ...], folder: Path) -> None:
-    """End a server and remove its folder."""
+    """End a server, close its command `pipes` and remove its `folder`."""
     for pipe in pipes:
         os.close(pipe)
     with suppress(subprocess.TimeoutExpired):
@@ -335,7 +336,11 @@ def _mpiexec(interpreter: str) -> str:
 
 
 def _started(interpreter: str, ranks: int, hosts: tuple[str, ...]) -> Server:
-    """New server on a number of MPI `ranks`. Raises MissingPetscError if it cannot be started."""
+    """New server on a number of MPI `ranks`. Raises MissingPetscError if it cannot be started.
+
+    `interpreter` is the path of a Python with petsc4py. `hosts` are the machines of the ranks, or
+    () for this machine.
+    """
     mpiexec = _mpiexec(interpreter)
     if not hasattr(os, "mkfifo"):
         reason = "runs on Linux and macOS alone"

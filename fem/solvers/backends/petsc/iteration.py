@@ -90,7 +90,7 @@ class GamgIteration:
         return self._unordered(ordered)
 
     def precondition(self, columns: Array) -> Array:
-        """Approximate solutions (n×k) for the right-hand sides `columns` (n×k), by one cycle."""
+        """Approximate solutions (n×k) for `columns` (n×k), by one cycle of the multigrid."""
         return self._unordered(self._server.cycle(self._name, columns[self._order], self._part))
 
     def _unordered(self, ordered: Array) -> Array:
