@@ -30,7 +30,10 @@ def formula_frame_stiffness(prism: ConstantLeg) -> float:
 
 
 def mesh_frame_stiffness(mesh: SectionMesh, material: Material) -> float:
-    """Stiffness k (N) by finite elements on the mesh of a rectangular tube, centred and upright."""
+    """Stiffness k (N) of a rectangular tube by finite elements on the `mesh` of its section.
+
+    The centre of the section is the origin, and its sides are along y and z.
+    """
     quad = section_quadrature(mesh)
     y, z = quad.points
     width, height = np.ptp(mesh.nodes, axis=0)

@@ -79,7 +79,10 @@ def why_unable(postures: Sequence[Posture], model: JudgedModel) -> str:
 def judged_models_of(
     robot: RobotOnPath, recipes: Mapping[str, JudgedModel] | None = None
 ) -> dict[str, Model]:
-    """Solvable models of a robot by name, made from `recipes`; all judged models if None."""
+    """Solvable models of a robot by name, made from `recipes`.
+
+    `recipes`: formulation and options of each model by name. If None, those of all judged models.
+    """
     recipes_by_name = judged_models(robot.mechanism) if recipes is None else recipes
     return {name: judged_model(robot, name, recipe) for name, recipe in recipes_by_name.items()}
 

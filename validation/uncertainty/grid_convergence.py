@@ -138,9 +138,10 @@ def _residuals(sizes: Array, values: Array, orders: Array) -> Array:
 def orders_to_limits(counts: Sequence[int], errors: Array, floors: Array) -> Array:
     """Orders in 1/n (q) of the relative errors (n×q) of q quantities against known limits.
 
-    `counts` n ascend. The orders are fitted by least squares to log |e| over the three finest
-    counts with errors above the `floors` (q). NaN if errors from five elements on change sign or
-    grow, if the two orders of neighbouring counts differ too much, or for fewer than three counts.
+    `counts` (n) are ascending element counts. The orders are fitted by least squares to log |e|
+    over the three finest counts with errors above the `floors` (q). NaN if errors from five
+    elements on change sign or grow, if the two orders of neighbouring counts differ too much, or
+    for fewer than three counts.
     """
     return np.array(
         [
