@@ -5,7 +5,8 @@ its position. Rule: stresses are normal and shear stresses of Saint-Venant's the
 of the uncertainty of a stress is the change from a coarse to a fine section mesh, scaled by the
 order of convergence, plus the effect of the half-widths of the forces. In a taper each station has
 its own section, which is sheared by the forces Qy + λy Mz and Qz − λz My, where λ is the rate of
-change of the lever arm (`lumped.line_sections`). At a step both sections are judged. In a taper the
+change of the lever arm (`lumped.line_sections`). The half-widths of these forces contain |λ| times
+those of the moments. At a step both sections are judged. In a taper the
 largest stress is also searched for between the decisive station and its neighbours.
 """
 
@@ -77,19 +78,20 @@ def member_stress(leg: SectionedLeg, member: MemberForces) -> MemberStress | Non
         return None
     along = np.zeros(len(member.stations))
     largest, decisive = -1.0, None
-    for row, section, forces in _loaded_sections(leg, member):
-        stress = _largest(_stresses(leg, section), forces)
+    for row, loaded in _loaded_sections(leg, member):
+        stress = loaded.largest_stress(leg)
         along[row] = max(along[row], stress)
         if stress > largest:
-            largest, decisive = stress, (row, section, forces)
+            largest, decisive = stress, (row, loaded)
     if decisive is None:
         raise TypeError(f"{member.leg}: no station with section forces")
-    row, section, forces = decisive
+    row, loaded = decisive
     station = float(member.stations[row])
-    for peak, section_there, forces_there in _peaks_beside(leg, member, row):
-        stress = _largest(_stresses(leg, section_there), forces_there)
+    for peak, loaded_there in _peaks_beside(leg, member, row):
+        stress = loaded_there.largest_stress(leg)
         if stress > largest:
-            largest, station, section, forces = stress, peak, section_there, forces_there
+            largest, station, loaded = stress, peak, loaded_there
+    section, forces = loaded.section, loaded.forces
     fine = _stresses(leg, section)
     node = int(np.argmax(np.where(fine.regular, fine.von_mises(forces[None])[0], 0.0)))
     coarse = section_stresses(section_mesh(section, _DIVISIONS[0]), leg.material)
@@ -97,7 +99,7 @@ def member_stress(leg: SectionedLeg, member: MemberForces) -> MemberStress | Non
     policy = MeshPolicy.of_order(2.0, _SMOOTH if fine.regular.all() else _STEEP)
     # The von Mises stress is a norm: it changes by at most that of the stresses due to the change
     # of the forces.
-    of_forces = fine.von_mises(np.diag(member.half_width))[:, fine.regular].sum(axis=0).max()
+    of_forces = fine.von_mises(np.diag(loaded.half_width))[:, fine.regular].sum(axis=0).max()
     y, z = fine.mesh.nodes[node]
     return MemberStress(
         member.leg,
@@ -112,38 +114,52 @@ def member_stress(leg: SectionedLeg, member: MemberForces) -> MemberStress | Non
     )
 
 
-def _loaded_sections(
-    leg: SectionedLeg, member: MemberForces
-) -> Iterator[tuple[int, Section, Array]]:
-    """Yield the index of a station, a section there, and the forces (6) that stress it.
+@dataclass(frozen=True, eq=False)
+class _LoadedSection:
+    """A section, and the forces (6: N, Qy, Qz, T, My, Mz) that stress it, with their half-widths.
 
     In a taper, the shear forces are replaced by Qy + λy Mz and Qz − λz My, see the module.
     """
+
+    section: Section
+    forces: Array
+    half_width: Array
+
+    def largest_stress(self, leg: SectionedLeg) -> float:
+        """Largest von Mises stress (Pa) in the section of `leg`."""
+        return _largest(_stresses(leg, self.section), self.forces)
+
+
+def _loaded_sections(
+    leg: SectionedLeg, member: MemberForces
+) -> Iterator[tuple[int, _LoadedSection]]:
+    """Yield the index of a station, and the loaded section there: two of them at a step."""
+    width = member.half_width
     if isinstance(leg, ConstantLeg):
-        yield from ((row, leg.section, forces) for row, forces in enumerate(member.forces))
+        for row, forces in enumerate(member.forces):
+            yield row, _LoadedSection(leg.section, forces, width)
         return
     slack = TOGETHER * leg.line.length
     for row, (station, forces) in enumerate(zip(member.stations, member.forces, strict=True)):
         for span in leg.spans:
             if span.start - slack <= station <= span.end + slack:
-                yield row, *_in_span(span, float(station), forces)
+                yield row, _in_span(span, float(station), forces, width)
 
 
-def _in_span(span: Span, station: float, forces: Array) -> tuple[Section, Array]:
+def _in_span(span: Span, station: float, forces: Array, half_width: Array) -> _LoadedSection:
     share = float(np.clip((station - span.start) / (span.end - span.start), 0.0, 1.0))
     rate_y, rate_z = span.taper_rates(np.array([share]))[0]
-    shearing = forces.copy()
-    shearing[1] += rate_y * forces[5]
-    shearing[2] -= rate_z * forces[4]
-    return span.section(share), shearing
+    shearing = np.eye(6)
+    shearing[1, 5], shearing[2, 4] = rate_y, -rate_z
+    return _LoadedSection(span.section(share), shearing @ forces, np.abs(shearing) @ half_width)
 
 
 def _peaks_beside(
     leg: SectionedLeg, member: MemberForces, row: int
-) -> Iterator[tuple[float, Section, Array]]:
+) -> Iterator[tuple[float, _LoadedSection]]:
     """Yield peaks of the stress in tapers between the station `row` and its neighbours.
 
-    A peak is given by its station (m), the section there, and the forces (6) that stress it.
+    A peak is given by its station (m) and the loaded section there.
     """
     spans = () if isinstance(leg, ConstantLeg) else leg.spans
     start = float(member.stations[row])
@@ -155,11 +171,10 @@ def _peaks_beside(
         span = next((s for s in spans if s.start <= (low + high) / 2.0 <= s.end), None)
         if span is None or span.first == span.last:
             continue
-        at = partial(_between, span, member.stations[pair], member.forces[pair])
+        at = partial(_between, span, member.stations[pair], member.forces[pair], member.half_width)
 
-        def stress(station: float, at: Callable[[float], tuple[Section, Array]] = at) -> float:
-            section, forces = at(station)
-            return _largest(_stresses(leg, section), forces)
+        def stress(station: float, at: Callable[[float], _LoadedSection] = at) -> float:
+            return at(station).largest_stress(leg)
 
         if stress(start + _PROBE * (float(member.stations[neighbour]) - start)) > stress(start):
             peak = scipy.optimize.minimize_scalar(
@@ -168,11 +183,13 @@ def _peaks_beside(
                 method="bounded",
                 options={"xatol": _TOLERANCE * (high - low)},
             )
-            yield float(peak.x), *at(float(peak.x))
+            yield float(peak.x), at(float(peak.x))
 
 
-def _between(span: Span, ends: Array, forces: Array, station: float) -> tuple[Section, Array]:
-    """Section of `span` at `station`, and the forces (6) that stress it.
+def _between(
+    span: Span, ends: Array, forces: Array, half_width: Array, station: float
+) -> _LoadedSection:
+    """Loaded section of `span` at `station`.
 
     The forces are interpolated between the rows of `forces` (2×6) at the two stations `ends`. Their
     derivatives dMy/dx = Qz and dMz/dx = −Qy are taken as linear between the ends.
@@ -183,7 +200,7 @@ def _between(span: Span, ends: Array, forces: Array, station: float) -> tuple[Se
     sagitta = 0.5 * length * share * (1.0 - share) * (forces[1] - forces[0])
     there[4] -= sagitta[2]
     there[5] += sagitta[1]
-    return _in_span(span, station, there)
+    return _in_span(span, station, there, half_width)
 
 
 def _stresses(leg: SectionedLeg, section: Section) -> SectionStresses:

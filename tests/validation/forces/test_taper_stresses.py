@@ -8,10 +8,10 @@ from support.robots.plane_frames import CANTILEVER, L
 from support.robots.robot_from_text import described
 
 from lumped.centre_line import CentreLine, LinePiece
-from lumped.legs import LineLeg, Material
+from lumped.legs import ConstantLeg, LineLeg, Material
 from lumped.mechanism.kinematics.postures import reference_posture
 from lumped.mechanism.load import Load
-from lumped.sections import Rectangle
+from lumped.sections import HollowRectangle, Rectangle
 from lumped.system.members import MemberForces
 from validation.forces.stresses import _loaded_sections, member_stress
 from validation.models.loads.forces import load_forces
@@ -47,7 +47,7 @@ def test_inclined_fibres_carry_shear_of_wedge():
     """Michell: a part F h_tip/h of the tip force F on a wedge shears the section of height h."""
     leg, member = cantilever((0.0, Rectangle(0.03, 0.1)), (LENGTH, Rectangle(0.03, 0.05)))
     heights, shearing = zip(
-        *((section.height, forces[2]) for _, section, forces in _loaded_sections(leg, member)),
+        *((there.section.height, there.forces[2]) for _, there in _loaded_sections(leg, member)),
         strict=True,
     )
     # Rates of the taper are those of a polynomial of degree 11.
@@ -112,3 +112,34 @@ def test_peak_between_stations_of_taper_is_found(load):
     assert stress.station == pytest.approx(LENGTH - peak, abs=1e-3 * LENGTH)
     assert abs(stress.normal) == pytest.approx(expected, rel=2e-6)
     assert abs(stress.largest - expected) <= stress.half_width
+
+
+def test_half_width_contains_shear_due_to_moment():
+    """A moment of half-width ΔM shears the root of a taper by |λ| ΔM, λ = d ln (I/S)/dx.
+
+    The reference is a prism with the section of the root, under the forces that shear it, with a
+    half-width of the shear force. λ is a difference quotient.
+    """
+    root, tip = HollowRectangle(0.06, 0.1, 0.004), HollowRectangle(0.06, 0.08, 0.004)
+    leg, member = cantilever((0.0, root), (LENGTH, tip))
+    moment, step = 5.0, 1e-6
+    arms = [lever_arm(root), lever_arm(replace(root, height=0.1 - step * 0.02))]
+    rate = np.log(arms[1] / arms[0]) / (step * LENGTH)
+    member = replace(member, half_width=np.array([0.0, 0.0, 0.0, 0.0, moment, 0.0]))
+    forces = member.forces[:1] + np.array([0.0, 0.0, rate * FORCE * LENGTH, 0.0, 0.0, 0.0])
+    width = np.array([0.0, 0.0, -rate * moment, 0.0, moment, 0.0])
+    prism = MemberForces("arm", member.stations[:1], forces, width)
+    expected = member_stress(ConstantLeg(LENGTH, root, STEEL), prism)
+    stress = member_stress(leg, member)
+    assert stress.station == 0.0
+    assert stress.half_width == pytest.approx(expected.half_width, rel=1e-5)
+    alone = replace(prism, half_width=member.half_width)
+    without = member_stress(ConstantLeg(LENGTH, root, STEEL), alone)
+    assert expected.half_width - without.half_width > 1e-3 * without.half_width
+
+
+def lever_arm(tube):
+    """I/S (m) of a rectangular tube, S the first moment of its upper half."""
+    hole = tube.inner
+    halves = tube.width * tube.height**2 / 8.0, hole.width * hole.height**2 / 8.0
+    return tube.second_moment_y / (halves[0] - halves[1])
