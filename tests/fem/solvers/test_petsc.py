@@ -8,10 +8,11 @@ import sys
 import time
 from errno import ENOSPC
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from scipy.sparse import diags_array
+from scipy.sparse import diags_array, tril
 from support.fakes.petsc_installation import require_petsc
 
 from fem.solvers.backends.choice import solver_name
@@ -82,6 +83,21 @@ def test_killed_server_is_replaced(ranks, tmp_path):
         factor.solve(np.ones(300))
     # Error of the solution: the condition number, 4e4, times 1e-16.
     np.testing.assert_allclose(analyse(CHAIN).factorise().solve(np.ones(300)), PARABOLA, rtol=1e-10)
+
+
+@pytest.mark.parametrize("ranks", ["2"], indirect=True)
+def test_failure_of_one_rank_ends_all(ranks, tmp_path):
+    """The first rank would wait forever for the second, whose offsets are missing."""
+    assert ranks == 2
+    lower = tril(CHAIN, format="csc")
+    petsc = client.server()
+    damaged = SimpleNamespace(
+        shape=lower.shape, indptr=lower.indptr[:151], indices=lower.indices, data=lower.data
+    )
+    message = r"^PETSc on 2 ranks ended with code 1: ValueError: "
+    with pytest.raises(ComputationError, match=message):
+        petsc.analyse(petsc.new_name(), damaged)
+    assert_nothing_left(tmp_path)
 
 
 SCRIPT = """

@@ -9,6 +9,7 @@ last one is stored. An earlier factor is computed again if it is needed.
 
 import json
 import os
+import re
 import select
 import shutil
 import signal
@@ -68,6 +69,10 @@ _COLUMNS_AT_ONCE = 64
 _PATIENCE_AT_START = 120.0
 # Largest time (s) for a server to end by itself.
 _PATIENCE_AT_END = 3.0
+
+
+# Line of a Python traceback with the error. Messages of mpiexec follow it.
+_ERROR = re.compile(r"(\w+\.)*\w+Error\b")
 
 
 class MissingPetscError(InputError):
@@ -164,16 +169,22 @@ class Server:
             ranks = int(self.about["ranks"]) // len(self.hosts)
             return ranks * int(answer["largest_bytes"])
 
-    def precondition(self, name: int, lower: SparseMatrix, motions: Array, part: str) -> None:
-        """Prepare conjugate gradients for the matrix with the triangle `lower` (csc n×n).
+    def precondition(
+        self, name: int, lower: SparseMatrix, border: Array, motions: Array, part: str
+    ) -> None:
+        """Prepare conjugate gradients for the matrix [[A, B], [Bᵀ, C]].
 
-        `name` is a new name for this iteration. `motions` (n×6) are orthonormal rigid motions.
-        `part` is the name of the matrix in messages.
+        `name` is a new name for this iteration. `lower` is the lower triangle of A (csc n×n),
+        `border` ((n+k)×k) contains B and C. `motions` (n×6) are orthonormal rigid motions of the
+        unknowns of A. `part` is the name of the matrix in messages.
         """
+        count = int(border.shape[1])
         with self._command(part):
             self._store_triangle(name, lower)
             self._store(f"{name}-motions", motions)
-            self._execute("precondition", name, part, size=int(lower.shape[0]))
+            if count:
+                self._store(f"{name}-border", border)
+            self._execute("precondition", name, part, size=int(lower.shape[0]), border=count)
 
     def _store_triangle(self, name: int, lower: SparseMatrix) -> None:
         for kind, array in (
@@ -258,20 +269,20 @@ class Server:
         """Write an array to a file in the folder of the server."""
         np.save(self._folder / f"{name}.npy", array)
 
-    def _execute(self, verb: str, name: int, part: str = "", size: int = 0) -> dict[str, Any]:
+    def _execute(self, verb: str, name: int, part: str = "", **sizes: int) -> dict[str, Any]:
         """Answer of the server to the command `verb` for the ordering or iteration `name`.
 
-        `size` is the number of unknowns, which only commands for a new matrix need. Raises
+        `sizes` are numbers of unknowns, which only commands for a new matrix need. Raises
         ComputationError if the command fails.
         """
         self._discard_all()
-        answer = self._exchange(verb, name, part, size)
+        answer = self._exchange(verb, name, part, **sizes)
         if "error" in answer:
             raise ComputationError(f"{self._what}: {answer['error']}", part)
         return answer
 
-    def _exchange(self, verb: str, name: int, part: str = "", size: int = 0) -> dict[str, Any]:
-        line = f"{json.dumps({'verb': verb, 'name': name, 'size': size})}\n".encode()
+    def _exchange(self, verb: str, name: int, part: str = "", **sizes: int) -> dict[str, Any]:
+        line = f"{json.dumps({'verb': verb, 'name': name, **sizes})}\n".encode()
         try:
             for pipe in self._pipes:
                 os.write(pipe, line)
@@ -309,8 +320,9 @@ class Server:
             why = ", probably because of lack of memory" if name == "SIGKILL" else ""
             return f"was ended by {name}{why}"
         log = (self._folder / "log").read_text(encoding="utf-8", errors="replace").splitlines()
-        last = next((line.strip() for line in reversed(log) if line.strip(" -")), "no message")
-        return f"ended with code {code}: {last}"
+        lines = [line.strip() for line in log if line.strip(" -")]
+        errors = [line for line in lines if _ERROR.match(line)]
+        return f"ended with code {code}: {[*errors[:1], *lines[-1:], 'no message'][0]}"
 
 
 def _end(keeper: "subprocess.Popen[bytes]", pipes: tuple[int, ...], folder: Path) -> None:

@@ -23,6 +23,9 @@ _ENERGY = 1e-10
 # Residual f − K x, relative to the terms f and K x, below which it is round-off. Factors of the
 # same matrices leave 1e-16 to 5e-16. Long slender legs end here.
 _BACKWARD = 1e-15
+# Number of entries of a row above which its unknown belongs to the border. Rows of nodes have a few
+# hundred.
+_LONG_ROW = 1500
 # Codes of PETSc for an iteration that ends because the preconditioner or the matrix is not positive
 # definite.
 _INDEFINITE = {-8, -10}
@@ -67,11 +70,17 @@ class GamgIteration:
         self._server, self._part = server(), part
         self._name = self._server.new_name()
         axis = int(np.ptp(places, axis=0).argmax())
-        # The order is stable: unknowns at the same position stay together.
-        self._order: IntArray = np.argsort(places[:, axis], kind="stable")
+        long = _row_lengths(lower) > _LONG_ROW
+        # All six unknowns of a twist, so that the others remain three for each node.
+        for place in np.unique(places[long], axis=0):
+            long |= (places == place).all(axis=1)
+        # The order is stable: unknowns at the same position stay together. The border is last.
+        self._order: IntArray = np.lexsort((places[:, axis], long))
         finalize(self, self._server.discard, self._name).atexit = False
-        orthonormal, _ = np.linalg.qr(motions[self._order])
-        self._server.precondition(self._name, _permuted(lower, self._order), orthonormal, part)
+        inner = len(long) - int(long.sum())
+        triangle, border = _bordered(lower, self._order, inner)
+        orthonormal, _ = np.linalg.qr(motions[self._order[:inner]])
+        self._server.precondition(self._name, triangle, border, orthonormal, part)
         self.checks: tuple[SolutionCheck, ...] = ()
 
     def solve(self, columns: Array) -> Array:
@@ -108,16 +117,33 @@ def _why_not(check: SolutionCheck) -> str:
     )
 
 
-def _permuted(lower: SparseMatrix, order: IntArray) -> Any:
-    """Lower triangle (csc n×n) of the matrix with rows and columns in another order.
+def _row_lengths(lower: SparseMatrix) -> IntArray:
+    """Numbers of entries in the rows (n) of the symmetric matrix with this lower triangle."""
+    below = np.bincount(lower.indices, minlength=lower.shape[0])
+    return np.asarray(below + np.diff(lower.indptr) - 1)
 
-    `order` (n) contains the old index of each new row.
+
+def _bordered(lower: SparseMatrix, order: IntArray, inner: int) -> tuple[Any, Array]:
+    """Parts of the matrix with rows and columns in another order: [[A, B], [Bᵀ, C]].
+
+    `lower` is its lower triangle (csc n×n), `order` (n) contains the old index of each new row, A
+    has `inner` rows. The parts are the lower triangle of A (csc) and, of B and C, the array
+    (n×(n − inner)).
     """
     size = lower.shape[0]
     position = np.empty(size, dtype=lower.indices.dtype)
     position[order] = np.arange(size, dtype=position.dtype)
     rows, columns = position[lower.indices], np.repeat(position, np.diff(lower.indptr))
-    places = np.maximum(rows, columns), np.minimum(rows, columns)
-    permuted = csc_array(coo_array((lower.data, places), shape=lower.shape))
-    permuted.sort_indices()
-    return permuted
+    rows, columns = np.maximum(rows, columns), np.minimum(rows, columns)
+    border = np.zeros((size, size - inner))
+    last = np.flatnonzero(rows >= inner)
+    border[columns[last], rows[last] - inner] = lower.data[last]
+    corner = last[columns[last] >= inner]
+    border[rows[corner], columns[corner] - inner] = lower.data[corner]
+    values = lower.data
+    if len(last):
+        kept = rows < inner
+        rows, columns, values = rows[kept], columns[kept], values[kept]
+    triangle = csc_array(coo_array((values, (rows, columns)), shape=(inner, inner)))
+    triangle.sort_indices()
+    return triangle, border

@@ -12,6 +12,7 @@ import ctypes
 import json
 import os
 import sys
+import traceback
 from pathlib import Path
 from time import sleep
 from typing import TYPE_CHECKING, Any, Literal
@@ -39,6 +40,8 @@ _VERSION = 30
 # equivalent to the energy norm. The relative error of the energy is the square of this; that of
 # products of the displacements with other loads, such as the 6×6 of a part, is about this.
 _RESIDUAL = 1e-11
+# Relative residual of the columns of the border in the preconditioner, which need not be exact.
+_BORDER_RESIDUAL = 1e-2
 # Largest number of iterations. 30 to 70 are usual, nearly incompressible parts need some hundreds.
 _ITERATIONS = 2000
 # Largest number of restarts of conjugate gradients, for a true residual that is larger than the one
@@ -278,40 +281,138 @@ class _Factor:
             raise RuntimeError(f"{name} of PETSc failed with code {code}")
 
 
+class _BorderedCycle:
+    """Preconditioner for the matrix K = [[A, B], [Bᵀ, C]] by a cycle G ≈ A⁻¹ of multigrid.
+
+    With W ≈ A⁻¹B (n×k) it is [I −W; 0 I] diag(G, S⁻¹) [I 0; −Wᵀ I]. S = [−W; I]ᵀ K [−W; I] is
+    positive definite for any W if K is. `product` contains A W − B, `corner` C. The k unknowns of
+    the border belong to the last rank.
+    """
+
+    def __init__(self, cycle: Any, border: Any, product: Any, corner: Any, W: Any) -> None:
+        self._cycle, self._W = cycle, W
+        total, inner = W.createVecs()
+        part = total.duplicate()
+        self._vectors = inner, inner.duplicate(), total, part
+        columns = []
+        for index, column in enumerate(corner.T):
+            border.multTranspose(W.getColumnVector(index, inner), part)
+            W.multTranspose(product.getColumnVector(index, inner), total)
+            total.axpy(-1.0, part)
+            columns.append(total.getArray() + column)
+        schur = np.array(columns)
+        self._schur = (schur + schur.T) / 2.0 if schur.size else None
+
+    def apply(self, _: Any, residual: Any, correction: Any) -> None:
+        """Apply the preconditioner to a residual. PETSc calls this."""
+        inner, inner_correction, last_correction, _ = self._vectors
+        entries, count = residual.getArray(readonly=True), inner.getLocalSize()
+        inner.setArray(entries[:count])
+        self._cycle.apply(inner, inner_correction)
+        self._W.multTranspose(inner, last_correction)
+        if self._schur is not None:
+            reaction = entries[count:] - last_correction.getArray()
+            last_correction.setArray(np.linalg.solve(self._schur, reaction))
+        self._W.mult(last_correction, inner)
+        inner_correction.axpy(-1.0, inner)
+        correction.setArray(
+            np.concatenate([inner_correction.getArray(), last_correction.getArray()])
+        )
+
+    def destroy(self) -> None:
+        """Free the memory of its vectors."""
+        for vector in self._vectors:
+            vector.destroy()
+
+
 class _Iteration:
     """Conjugate gradients, preconditioned by the multigrid GAMG, for one positive definite matrix.
 
-    GAMG constructs its coarse levels from the rigid motions (n×6, orthonormal), its near null
+    The matrix is [[A, B], [Bᵀ, C]]. A has `size` rows, C has `border` rows, often none. GAMG
+    constructs its coarse levels for A from the rigid motions (`size`×6, orthonormal), its near null
     space. They are set up once for all right-hand sides.
     """
 
-    def __init__(self, petsc: Any, files: _Files, name: int, size: int) -> None:
+    def __init__(self, petsc: Any, files: _Files, name: int, size: int, border: int) -> None:
         self._petsc, self._files = petsc, files
         communicator = petsc.COMM_WORLD
         block = _BLOCK if size % _BLOCK == 0 else 1
         share = _Rows(petsc, files, name, size, block)
-        self._rows = share.rows
         # GAMG needs both triangles.
-        self._matrix = petsc.Mat()
-        share.matrix.convert("mpiaij" if communicator.size > 1 else "seqaij", self._matrix)
+        inner = petsc.Mat()
+        share.matrix.convert("mpiaij" if communicator.size > 1 else "seqaij", inner)
         share.matrix.destroy()
-        self._matrix.setBlockSize(block)
-        self._matrix.setOption(petsc.Mat.Option.SPD, flag=True)
+        inner.setBlockSize(block)
+        inner.setOption(petsc.Mat.Option.SPD, flag=True)
         motions = files.read(f"{name}-motions", share.rows)
         vectors = [self._vector(column, block) for column in motions.T]
         rigid = petsc.NullSpace().create(vectors=vectors, comm=communicator)
-        self._matrix.setNearNullSpace(rigid)
-        self._solver = solver = petsc.KSP().create(communicator)
-        solver.setOperators(self._matrix)
-        solver.setType("cg")
+        inner.setNearNullSpace(rigid)
+        solver = self._conjugate_gradients(inner)
         solver.getPC().setType("gamg")
-        solver.setNormType(petsc.KSP.NormType.NATURAL)
-        solver.setTolerances(rtol=_RESIDUAL, atol=0.0, max_it=_ITERATIONS)
         # Only this sets the coarsening of GAMG to its default, the square of the graph. Without it
         # the levels have four times the entries of the matrix, with it 1.2 times.
         solver.setFromOptions()
         solver.setUp()
-        self._norm = self._matrix.norm(petsc.NormType.INFINITY)
+        self._rows, self._matrix, self._solver = share.rows, inner, solver
+        self._parts = [inner, solver]
+        self._norm = inner.norm(petsc.NormType.INFINITY)
+        if border:
+            self._add_border(name, size, border)
+
+    def _add_border(self, name: int, size: int, border: int) -> None:
+        """Extend the matrix and the preconditioner by the unknowns of the border."""
+        petsc, communicator = self._petsc, self._petsc.COMM_WORLD
+        last = communicator.rank == communicator.size - 1
+        inner, solver, count = self._matrix, self._solver, self._rows.stop - self._rows.start
+        self._rows = slice(self._rows.start, size + border if last else self._rows.stop)
+        rows = self._files.read(f"{name}-border", self._rows)
+        shares = border if last else 0, border
+
+        def dense(array: Any, sizes: Any) -> Any:
+            entries = np.asfortranarray(array)
+            matrix = petsc.Mat().createDense((sizes, shares), array=entries, comm=communicator)
+            matrix.assemble()
+            return matrix
+
+        B = dense(rows[:count], (count, size))
+        corner = rows[count:]
+        C = dense(corner, shares)
+        W, product = (dense(np.zeros_like(rows[:count]), (count, size)) for _ in range(2))
+        solver.setTolerances(rtol=_BORDER_RESIDUAL)
+        right, solution = inner.createVecs()
+        image = right.duplicate()
+        for index in range(border):
+            B.getColumnVector(index, right)
+            solver.solve(right, solution)
+            W.getDenseArray()[:, index] = solution.getArray()
+            inner.mult(solution, image)
+            image.axpy(-1.0, right)
+            product.getDenseArray()[:, index] = image.getArray()
+        W.assemble()
+        product.assemble()
+        transpose = petsc.Mat().createTranspose(B)
+        self._matrix = petsc.Mat().createNest([[inner, B], [transpose, C]], comm=communicator)
+        self._matrix.setOption(petsc.Mat.Option.SPD, flag=True)
+        self._solver = self._conjugate_gradients(self._matrix)
+        preconditioner = self._solver.getPC()
+        preconditioner.setType("python")
+        context = _BorderedCycle(solver.getPC(), B, product, corner, W)
+        preconditioner.setPythonContext(context)
+        self._solver.setUp()
+        one, infinity = petsc.NormType.NORM_1, petsc.NormType.INFINITY
+        self._norm = max(self._norm + B.norm(infinity), B.norm(one) + C.norm(infinity))
+        for part in (product, right, solution, image):
+            part.destroy()
+        self._parts += [B, C, W, transpose, context, self._matrix, self._solver]
+
+    def _conjugate_gradients(self, matrix: Any) -> Any:
+        solver = self._petsc.KSP().create(self._petsc.COMM_WORLD)
+        solver.setOperators(matrix)
+        solver.setType("cg")
+        solver.setNormType(self._petsc.KSP.NormType.NATURAL)
+        solver.setTolerances(rtol=_RESIDUAL, atol=0.0, max_it=_ITERATIONS)
+        return solver
 
     def _vector(self, values: Any, block: int) -> Any:
         vector = self._petsc.Vec().create(self._petsc.COMM_WORLD)
@@ -379,8 +480,8 @@ class _Iteration:
 
     def destroy(self) -> None:
         """Free the memory of matrix and preconditioner."""
-        self._solver.destroy()
-        self._matrix.destroy()
+        for part in reversed(self._parts):
+            part.destroy()
 
 
 def _handle(part: Any) -> ctypes.c_void_p:
@@ -463,7 +564,7 @@ def _executed(
             negative, zero = systems[name].factorise(name)
             return {"negative": negative, "zero": zero}
         if verb == "precondition":
-            systems[name] = _Iteration(petsc, files, name, command["size"])
+            systems[name] = _Iteration(petsc, files, name, command["size"], command["border"])
         elif verb == "solve":
             return dict(systems[name].solve())
         elif verb == "cycle":
@@ -476,4 +577,10 @@ def _executed(
 
 
 if __name__ == "__main__":
-    serve(Path(sys.argv[1]), int(sys.argv[2]))
+    try:
+        serve(Path(sys.argv[1]), int(sys.argv[2]))
+    except BaseException:  # noqa: BLE001  all of them end the process
+        # An ordinary exit would wait for the other ranks, which may wait for this one.
+        traceback.print_exc()
+        sys.stderr.flush()
+        os._exit(1)
