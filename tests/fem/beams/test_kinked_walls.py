@@ -1,0 +1,50 @@
+"""Bending of walls at kinks of rectangular tubes, against a closed form and a solid."""
+
+import numpy as np
+import pytest
+
+from fem.beams.kinked_walls import kink_compliances
+from fem.bodies.solid import clamped_leg, solid_leg, solid_mesh
+from lumped.centre_line import CentreLine, LinePiece
+from lumped.legs import LineLeg, Material
+from lumped.sections import HollowRectangle
+from validation.comparisons.line_leg_vs_solid import computed_tip
+
+ALLOY = Material.isotropic(E=7.0e10, nu=0.3, rho=2700.0)
+ROOT, TIP = HollowRectangle(0.1, 0.08, 0.004), HollowRectangle(0.1, 0.056, 0.004)
+
+
+def tube(*stations):
+    tip = (stations[-1][0], 0.0, 0.0)
+    return LineLeg(CentreLine((LinePiece((0.0, 0.0, 0.0), tip),), (0.0, 0.0, 1.0)), stations, ALLOY)
+
+
+def test_one_kink_bends_two_flanges_by_closed_form():
+    """Tension: flanges of width b = 96 mm with n = t/A and α = 0.024/2·0.3 bend by 0.00657 b³/D.
+
+    Integral of the deflections of a strip with simply supported edges, by its sine series.
+    """
+    leg = tube((0.0, ROOT), (0.3, ROOT), (0.6, TIP))
+    plate = 7.0e10 * 0.004**3 / (12.0 * 0.91)
+    load = 0.004 / ROOT.area * 0.024 / 0.6
+    orders = np.arange(1, 40, 2) * np.pi / 0.096
+    mean = np.sum((2.0 / (orders * 0.048)) ** 2 / 2.0 / (4.0 * plate * orders**3))
+    assert kink_compliances(leg)[0] == pytest.approx(2.0 * 0.096 * load**2 * mean, rel=1e-6)
+
+
+def test_tapers_without_kinks_add_nothing():
+    assert not kink_compliances(tube((0.0, ROOT), (0.6, TIP))).any()
+    middle = HollowRectangle(0.1, 0.068, 0.004)
+    assert not kink_compliances(tube((0.0, ROOT), (0.3, middle), (0.6, TIP))).any()
+
+
+def test_solid_with_kinks_is_softer_within_bounds():
+    """In tension and in bending about y the solid is 2 % softer than the beam, or more."""
+    leg = tube((0.0, ROOT), (0.12, ROOT), (0.24, TIP), (0.36, TIP))
+    solid = clamped_leg(solid_leg(leg, solid_mesh(leg, 4)), "free").compliance
+    added = np.diagonal(solid - computed_tip(leg, 4))
+    bounds = kink_compliances(leg)
+    softened = [0, 2, 4]
+    assert (added[softened] > 0.02 * np.diagonal(solid)[softened]).all()
+    assert (added[softened] > 0.25 * bounds[softened]).all()
+    assert (added[softened] < bounds[softened]).all()
