@@ -41,7 +41,7 @@ class Solver(StrEnum):
 
 
 def requested_solver() -> Solver:
-    """Library named in the environment variable. Raises InputError for an unknown name."""
+    """Library named in FLEXPROOF_SOLVER. Raises InputError for an unknown name."""
     name = os.environ.get(VARIABLE, "").strip() or Solver.AUTO
     try:
         return Solver(name)
@@ -52,7 +52,7 @@ def requested_solver() -> Solver:
 
 
 def requested_ranks() -> int:
-    """Number of MPI ranks for petsc from the environment variable. By default one per host.
+    """Number of MPI ranks for petsc from the variable FLEXPROOF_RANKS. By default one per host.
 
     Raises InputError for an invalid number, for example if it is not a multiple of the number of
     hosts.

@@ -95,7 +95,10 @@ class CondensedPiece:
 
     @property
     def tip_twists(self) -> Array:
-        """Relative twist (6×k) of the ends for unit deformations of the tip, with zero wrench."""
+        """Relative twists (6×k) of the ends, one for each of the k deformations of the tip.
+
+        The deformation has unit amplitude. The wrench and the deformations of the root are zero.
+        """
         return np.asarray(-self.twist_mirror[:, None] * self.twists * self.mirror)
 
     @property
@@ -309,6 +312,7 @@ def _cholesky(matrix: Array, part: str) -> Array:
         return np.asarray(cholesky(matrix, lower=True))
     except LinAlgError as error:
         raise ComputationError(
-            "not positive definite; the slices are too thin or too long for their section",
+            "the stiffness matrix is not positive definite; the slices are too thin or too long "
+            "for their section",
             part=part,
         ) from error

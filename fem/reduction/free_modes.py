@@ -13,7 +13,7 @@ from lumped.models.bodies import RIGID_MOTIONS
 
 
 def free_modes(rooted: RootedBody, count: int) -> CertifiedModes:
-    """The lowest `count` elastic modes of an unsupported solid.
+    """The lowest `count` elastic modes of the solid of `rooted`, without its support.
 
     The interfaces of the solid must be averaged or of Saint-Venant's kind, which do not stiffen it.
     The signs of the eigenvalues of K − σM count the rigid motions and the elastic modes below σ.

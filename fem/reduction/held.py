@@ -1,8 +1,10 @@
-"""Data of a body with fixed interfaces, or of a free body, for its reduction; residual modes.
+"""Bodies to be reduced, with fixed or free interfaces, and the residual modes of a reduction.
 
 The static response of a body to forces F is A F with its flexibility A. Residual modes Z are this
 response without its part in the kept modes, that is, the sum Σ φ_k pᵀ/λ_k over the dropped modes
-with p = Fᵀφ_k. The bound W on the effect of the dropped modes is W = (MZ)ᵀ A (MZ) = Σ p pᵀ/λ_k³. It
+with p = Fᵀφ_k. The kept modes and Z are the basis of a reduced body. Its dynamic flexibility is an
+approximation to Fᵀ(K − λM)⁻¹F, with λ = ω². For λ below λ_c, the smallest λ_k of a dropped mode,
+the approximation is too small by at most λ²/(1 − λ/λ_c) W, with W = (MZ)ᵀ A (MZ) = Σ p pᵀ/λ_k³. W
 is known without computing the dropped modes.
 """
 
@@ -119,10 +121,10 @@ def free_body(rooted: RootedBody) -> FreeBody:
 
 
 def residual_modes(body: VibratingBody, forces: Array, modes: Modes) -> tuple[Modes, Array]:
-    """Residual modes of a body for `forces` F (n×k), and the bound W (k×k) on the dropped modes.
+    """Residual modes of a body for `forces` F (n×k), and the matrix W (k×k) of their error bound.
 
     The residual modes are Ritz modes of the static response of the dropped modes. `modes` are the
-    kept modes.
+    kept modes. The bound is that of the module docstring.
     """
     mass_shapes = body.mass @ modes.shapes
     loads = forces - mass_shapes @ (modes.shapes.T @ forces)

@@ -94,7 +94,10 @@ def tip_compliances(
 
 
 def links(mechanism: Mechanism, legs: Mapping[str, Array]) -> dict[str, LegMatrices]:
-    """Matrices of all legs by name, each from its tip compliance in `legs` (6×6, SI, body axes)."""
+    """Stiffness matrices of massless legs, from their tip compliances in `legs`.
+
+    Each compliance is 6×6 (SI, leg axes, root clamped). Keys are the names of the legs.
+    """
     lengths = {
         name: float(np.linalg.norm(tip.position - root.position))
         for name in legs

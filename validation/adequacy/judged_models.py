@@ -52,7 +52,7 @@ JUDGED: Mapping[str, JudgedModel] = {
 # Models whose legs are rigid or as in the robot file. All others use equivalent prisms.
 LEGS_AS_GIVEN = ("simplified", "vjm", "links")
 _STATIC = "static model without mass, so it has no frequencies"
-_RIGID = "all bodies and joints are rigid, and no drive is elastic in this direction"
+_RIGID = "all bodies and joints are rigid, and no elastic drive yields to the force or moment"
 
 
 def judged_models(mechanism: Mechanism) -> dict[str, JudgedModel]:

@@ -163,9 +163,9 @@ def _static(context: Context, model: str, entry: str) -> Measurement:
     size = postures[0].mechanism.size
     mobile = _above_round_off(expected, size) | _above_round_off(computed, size)
     if not mobile[:, index].any():
+        direction = f"about {ROTATIONS[entry]}" if entry in ROTATIONS else f"along {entry}"
         raise Skip(
-            f"model {model} is rigid in this direction: neither bodies nor drives are elastic "
-            "along it"
+            f"model {model} is rigid {direction}: neither bodies nor drives yield {direction}"
         )
     worst = farthest_posture(computed[:, index], expected[:, index], mobile[:, index])
     round_off = 0.0

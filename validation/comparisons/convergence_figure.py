@@ -62,10 +62,10 @@ def _caption(studies: Sequence[ConvergenceStudy], undrawn_legs: int) -> list[str
         (
             "Size of the relative error of each formulation over the number of elements per "
             f"leg. Reference: {references}. At the end of each curve: its observed order. At "
-            f"{elements} elements: its error. Dashed: accepted error. Dotted: number of "
-            "elements from which on the error must be accepted. A formulation passes if its curve "
-            "right of the dotted line is below the dashed line. Deflections that are exact for "
-            "every number of elements are not drawn."
+            f"{elements} elements: its error. Dashed: largest allowed error. Dotted: number of "
+            "elements from which on the error must not exceed the allowed one. A formulation "
+            "passes if its curve right of the dotted line is below the dashed line. Deflections "
+            "that are exact for every number of elements are not drawn."
         ),
     ]
     if any(

@@ -122,7 +122,11 @@ def _stated_error(series: ConvergenceSeries, column: int, stated: int | None) ->
 def series_record(
     series: ConvergenceSeries, quantities: Sequence[str], refined: Literal["elements", "divisions"]
 ) -> SeriesRecord:
-    """JSON object of the series. `quantities` are the names of its columns."""
+    """JSON object of the series.
+
+    `quantities` are the names of the q quantities of the series, in order. `refined` is the JSON
+    key of the counts: elements of a leg, or divisions of a solid's mesh.
+    """
     discretisation = series.discretisation
 
     def by_quantity(values: Array) -> dict[str, Any]:

@@ -286,7 +286,8 @@ def _motion(context: Context, model: ModelName, entry: int, limits: AgreementLim
     reference = float(statics.solid[_FINE, entry])
     motions_of_kind = statics.solid[_FINE, :3] if entry < 3 else statics.solid[_FINE, 3:]
     if reference <= _STILL * motions_of_kind.max():
-        raise Skip("the tool does not yield in this direction; no compliance to compare")
+        direction = f"{'along' if entry < 3 else 'about'} {'xyz'[entry % 3]}"
+        raise Skip(f"the tool does not yield {direction}, so that no compliance is compared")
     (model_response,) = context.get(answers, model, (posture,), 0, _options(limits))
     computed = float(statics.computed[_FINE, entry])
     residuals = (statics.restrained - statics.solid)[:, entry]

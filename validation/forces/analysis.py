@@ -142,7 +142,7 @@ def forces_in(
 
 
 def _with_loads(robot_file: RobotFile, names: Sequence[str]) -> RobotFile:
-    """Robot with only the loads of these `names`, or with all of its loads if there are none.
+    """Robot with only the loads that are listed in `names`. All of its loads if `names` is empty.
 
     Raises InputError if the robot has no loads, or for an unknown name.
     """

@@ -68,7 +68,11 @@ def springs_of(mechanism: Mechanism, options: ModelOptions) -> dict[str, Array]:
 def static_bodies(
     model: ModelName, mechanism: Mechanism, options: ModelOptions = DEFAULT_OPTIONS
 ) -> dict[str, BodyModel]:
-    """Model of each body on the twists of its interfaces, exact in statics."""
+    """Matrices of each leg and CAD part for statics, by name of the body.
+
+    `model` represents the legs. The unknowns of a body are only the twists of its interfaces, to
+    which it is condensed without an error in statics.
+    """
     if model == "links":
         springs = tip_compliances(mechanism, options.legs, options.theory, options.equivalent)
         part_legs: PartLegs = "equivalent" if options.legs == "equivalent" else "condensed"

@@ -141,7 +141,9 @@ _MODAL_SECTIONS = MeshRow("section_mesh", _TWO_LEVELS, _modal_section_policy, _s
 def displacement_half_widths(responses: Responses, reading: Reading) -> Array:
     """Relative half-widths of displacements due to all meshes (P×(7+L)).
 
-    P poses; the columns are the 7 unit loads and the L loads of the robot file.
+    P poses. The first six columns are displacements under a unit force along and a unit moment
+    about each base axis. The seventh is the largest displacement under a unit force in any
+    direction. The last L are displacements under the loads of the robot file.
     """
     robot = responses.robot
     solve = responses.required_statics

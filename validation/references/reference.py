@@ -217,10 +217,12 @@ def steps_by_model(
     models: Mapping[str, Model],
     **words: str,
 ) -> Steps:
-    """Steps of each judged model by its name, in order from the model to the reference.
+    """Steps that remove the errors of a model one by one, in order from the model to the reference.
 
-    `orders` lists the names of the steps for each judged model. A step without an entry in `models`
-    is omitted. `words` replace the placeholders in the `texts`.
+    `orders` has the names of models on which verdicts are given, and for each of them the names of
+    its steps. `texts` and `models` have the names of steps: the texts of the step, and the model in
+    which the error is removed. A step without an entry in `models` is omitted. `words` replace the
+    placeholders in the `texts`. Keys of the result are those of `orders`.
     """
     steps = {
         name: Step(

@@ -147,7 +147,10 @@ class Results:
         self.done[task.id] = from_plain(task, record)
 
     def add_records(self, records: Mapping[str, Record]) -> None:
-        """Add the valid records of an earlier process, by id."""
+        """Add results from the records (by id) of an earlier process.
+
+        Records that are not valid for a task of this run, by `valid_result`, are ignored.
+        """
         for task in self.tasks:
             if task.id in records and (result := valid_result(task, records[task.id])):
                 self.done[task.id] = result

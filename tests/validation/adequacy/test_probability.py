@@ -124,8 +124,8 @@ def test_three_inputs_match_monte_carlo():
 
 
 @pytest.mark.parametrize("quantity", ["x", "phi_z", "any_force"])
-def test_exact_model_probability_counts_input_changes(quantity):
-    """Beams are exact for the file's inputs and 5 % off if one changes by its uncertainty."""
+def test_probability_of_exact_model_includes_inputs(quantity):
+    """The beam is exact for the drive of the file, and 5 % off if it changes by its uncertainty."""
     toy = toy_subject(1)
     truth = toy.responses.statics(toy.statics.model, reading(""))
 
