@@ -41,6 +41,7 @@ from math import ceil
 
 import numpy as np
 from numpy.polynomial import legendre
+from scipy.linalg import solve_banded
 
 from fem.sections.wall_frame import formula_frame_stiffness
 from lumped.arrays import Array
@@ -73,21 +74,23 @@ def distortion_work(
     if not (leg.line.is_straight and all(isinstance(shape, HollowRectangle) for shape in shapes)):
         return 0.0
     counts = [_element_count(span) for span in leg.spans]
-    size = 3 * (_DEGREE * sum(counts) + 1)
-    stiffness, loads, restrained = np.zeros((size, size)), np.zeros(size), 0.0
+    size, band = 3 * (_DEGREE * sum(counts) + 1), 3 * _DEGREE + 2
+    diagonals, loads, restrained = np.zeros((2 * band + 1, size)), np.zeros(size), 0.0
     first = 0
     for span, count in zip(leg.spans, counts, strict=True):
         blocks, forces, energy = _span_matrices(leg, span, count, torques, frame_stiffness)
         starts = _DEGREE * np.arange(first, first + count)
         nodes = starts[:, None] + np.arange(_DEGREE + 1)
         unknowns = (3 * nodes[:, None, :] + np.arange(3)[:, None]).reshape(count, -1)
-        np.add.at(stiffness, (unknowns[:, :, None], unknowns[:, None, :]), blocks)
+        rows, columns = unknowns[:, :, None], unknowns[:, None, :]
+        np.add.at(diagonals, (band + rows - columns, columns), blocks)
         np.add.at(loads, unknowns, forces)
         restrained += energy
         first += count
-    free = np.delete(np.arange(size), _HELD)
-    released = loads[free] @ np.linalg.solve(stiffness[np.ix_(free, free)], loads[free])
-    return float(released - restrained)
+    beside = np.arange(_HELD + band + 1)
+    diagonals[band + _HELD - beside, beside] = 0.0
+    diagonals[band, _HELD], loads[_HELD] = 1.0, 0.0
+    return float(loads @ solve_banded((band, band), diagonals, loads) - restrained)
 
 
 def _element_count(span: Span) -> int:

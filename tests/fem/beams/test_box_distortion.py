@@ -1,5 +1,6 @@
 """Distortion of tapered rectangular tubes in torsion, against solids and closed forms."""
 
+import tracemalloc
 from dataclasses import replace
 
 import numpy as np
@@ -94,6 +95,16 @@ def test_distortion_converges_with_degree_of_elements(monkeypatch):
     monkeypatch.setattr(box_distortion, "_DEGREE", 8)
     monkeypatch.setattr(box_distortion, "_POINTS", 12)
     assert work == pytest.approx(distortion_work(leg, np.ones_like), rel=3e-6)
+
+
+def test_slender_tube_needs_memory_of_band():
+    """100 elements have 1203 unknowns, whose square matrix would have 11.6 MB."""
+    leg = tube(HollowRectangle(0.011, 0.011, 0.001), HollowRectangle(0.011, 0.0109, 0.001), 0.99)
+    tracemalloc.start()
+    distortion_work(leg, np.ones_like)
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert peak < 6e6
 
 
 def test_stepped_prisms_do_not_distort():
