@@ -10,7 +10,7 @@ from typing import Any, get_args
 import numpy as np
 
 from lumped.mechanism.catalogue.ball_guide import PreloadClass
-from lumped.mechanism.catalogue.ball_nut import has_play
+from lumped.mechanism.catalogue.ball_nut import has_play, nut_of_size
 from lumped.mechanism.catalogue.directions import DIRECTIONS, NEED_UP
 from lumped.mechanism.joint import FREEDOMS, SMALLEST_SINE, JointKind
 from lumped.mechanism.length_unit import METRE, UnitOfLength
@@ -473,6 +473,10 @@ def _nut_faults(nut: NutEntry, key: str) -> Iterator[str]:
         required, kind = ("load", "has play") if has_play(nut.size) else ("preload", "is preloaded")
         if required not in load_keys:
             yield f"{key}.{load_keys[0]}: {nut.size} {kind}; must be {key}.{required}"
+    rating = nut.load_rating if nut.size is None else nut_of_size(nut.size).load_rating
+    # Under Ca the rated life of a nut is 1e6 revolutions. Tables give K under at most 0.1 Ca.
+    if rating is not None and nut.preload is not None and nut.preload > rating:
+        yield f"{key}.preload = {shown(nut.preload)}: must be at most the load rating, {rating:g} N"
 
 
 def tool_faults(tool: Tool) -> Iterator[str]:

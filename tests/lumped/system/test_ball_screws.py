@@ -218,6 +218,13 @@ SIZE_FAULTS = {
         "joints.axis.drive.screw.nut.rigidity: must be left out, because joints.axis.drive.screw."
         "nut.size determines it"
     ),
+    SIZED.replace("1000.0", "3.0e4"): (
+        "joints.axis.drive.screw.nut.preload = 30000.0: must be at most the load rating, 25390 N"
+    ),
+    "{ diameter = 0.03, length = 0.4, nut = { rigidity = 6e8, load_rating = 26, preload = 50.0 }, "
+    "bearing = 'rigid' }": (
+        "joints.axis.drive.screw.nut.preload = 50.0: must be at most the load rating, 26 N"
+    ),
     "{ length = 0.4, nut = 6.0e8, bearing = 'rigid' }": (
         "joints.axis.drive.screw.diameter: missing; must be given, or joints.axis.drive.screw.nut."
         "size"
@@ -225,9 +232,12 @@ SIZE_FAULTS = {
 }
 
 
-@pytest.mark.parametrize("screw", SIZE_FAULTS, ids=["diameter", "load", "rigidity", "shaft"])
+IDS = ["diameter", "load", "rigidity", "preload", "load rating", "shaft"]
+
+
+@pytest.mark.parametrize("screw", SIZE_FAULTS, ids=IDS)
 def test_invalid_size_of_screw_is_refused(screw):
-    """Keys that contradict the size of a nut in a catalogue: one line with the key to leave out."""
+    """Keys that contradict the size of a nut, and preloads above its load rating: one line each."""
     with pytest.raises(InputError) as error:
         sized_mechanism(screw)
     assert error.value.faults == (SIZE_FAULTS[screw],)
