@@ -143,7 +143,8 @@ class LineSections:
     def _coefficients(self) -> Array:
         """Chebyshev coefficients (k×p×28) of the section constants in each span.
 
-        If a constant is infinite, its first coefficient is infinite and the others are zero.
+        If a constant is infinite, its first coefficient is infinite and its further coefficients
+        are zero.
         """
         infinite = np.isinf(self.values).any(axis=1, keepdims=True)
         finite = np.where(infinite, 0.0, self.values)

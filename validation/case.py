@@ -146,15 +146,16 @@ class Measurement:
     `value_uncertainty`, `reference_uncertainty` and `judged_uncertainty`: numerical uncertainty of
     the value, of the reference and of the unexplained difference (half-widths, 95 %). The third is
     set if value and reference have the same mesh, so that its errors cancel; otherwise it follows
-    from the other two. Either at least one of these is set, or the numbers are `exact`: nothing is
-    discretised, and round-off is the only error. ValueError is raised for neither or both.
+    from the other two. Either at least one of the three uncertainties is set, or the numbers are
+    `exact`: nothing is discretised, and round-off is the only error. ValueError is raised for
+    neither or both.
 
     `table`: columns of equal length by heading. `studies`: convergence studies and sweeps to be
     displayed with the case. `pose`: the pose of the numbers. If a case compares several poses or
-    modes, one is fixed beforehand, so that runs can be compared, and `elsewhere` contains the
-    others, which are judged as well. `shown`: further values, reported without a verdict. `claim`:
-    a publication's statement on this result, as printed and as corrected. `decides`: action or
-    information that would decide the case if the uncertainty is too large.
+    modes, one is fixed beforehand, so that runs can be compared, and `elsewhere` contains the other
+    poses or modes, which are judged as well. `shown`: further values, reported without a verdict.
+    `claim`: a publication's statement on this result, as printed and as corrected. `decides`:
+    action or information that would decide the case if the uncertainty is too large.
     """
 
     value: Annotated[float, RESULTS]

@@ -263,7 +263,10 @@ class CrossValidation:
 
 
 def _computed(outcome: Outcome) -> AgreementRow:
-    """Numbers of a comparison. Raises AssertionError if it was skipped or failed."""
+    """Difference of a comparison and its parts, as a row of the table.
+
+    Raises AssertionError if the comparison was skipped or failed.
+    """
     if outcome.measurement is None:
         raise AssertionError(f"{outcome.case.id}: not compared, because {outcome.message}")
     return agreement_row(outcome)

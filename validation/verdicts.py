@@ -191,10 +191,10 @@ class Matrix:
     `notes`: facts to be displayed with the matrix. `supposed`: assumption behind verdicts on
     frequencies. `parts`: matrices of each leg alone with its root clamped, whose `robot` is the
     leg's name. `formulation`: second matrix, in which models are compared with solids of the legs
-    that the models use; None if these are the robot's legs. An error that the second matrix lacks
-    is due to the legs, not to the model. `faults`: names of the models, and of other computations,
-    that ended with an error of the program; an entry that is undecided for this reason is no
-    statement about the robot. Shapes: p poses, n coordinates.
+    that the models use; None if the models use the robot's legs. An error that the second matrix
+    lacks is due to the legs, not to the model. `faults`: names of the models, and of other
+    computations, that ended with an error of the program; an entry that is undecided for this
+    reason is no statement about the robot. Shapes: p poses, n coordinates.
     """
 
     robot: str

@@ -284,8 +284,8 @@ def _bar(mesh: MeshLine, stiffness: float, inertia: float, component: int) -> _M
     """Member for tension or torsion with the displacement or rotation u.
 
     Twice its strain energy is ∫ `stiffness` u′² dx, and twice its kinetic energy ∫ `inertia` u̇²
-    dx. In tension these are EA and μ, in torsion GJ and ρJ. `component` is the index of u in the
-    twist of a section.
+    dx. In tension `stiffness` and `inertia` are EA and μ, in torsion GJ and ρJ. `component` is the
+    index of u in the twist of a section.
     """
 
     def energy(u: Any, v: Any, _: Any) -> Any:

@@ -12,8 +12,8 @@ show
 - how much of the stiffness is due to rigid end faces, which prevent contraction and warping;
 - whether torsion follows Saint-Venant, c44 = L/GJ, or is resisted by warping that the ends prevent,
   c44 = L³/12EΓ + L/GI_p (`fem.sections.nonuniform_torsion` with J = 0), as in I-sections. For the
-  same c44, the latter has a first frequency with fixed ends up to 22.37/(π√12) = 2.06 times as
-  high.
+  same c44, a leg that resists by warping has a first frequency with fixed ends up to 22.37/(π√12) =
+  2.06 times as high.
 
 The "uniform" beam attributes the excess to shear, and the whole stiffness to the leg between its
 ends. The "soft" beam additionally attributes a part of the stiffness to rigid end faces, so that

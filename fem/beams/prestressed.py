@@ -60,10 +60,10 @@ _ACROSS = np.diag([0.0, 1.0, 1.0])
 class PrestressedLeg:
     """A leg reduced to the twists of its ends and the amplitudes of its modes with fixed ends.
 
-    These are its r unknowns: 12 end twists, then the modal amplitudes. `matrices` are stiffness and
-    mass on these unknowns. `fields` (s×9×r) is the matrix from the unknowns to u′, θ and θ′ at s
-    `stations` (m from the root), with the quadrature `weights` (m). `gyration` (s) is the squared
-    polar radius of gyration i² (m²) of the sections at the stations.
+    The leg has r unknowns: 12 components of the end twists, then the modal amplitudes. `matrices`
+    are stiffness and mass on these unknowns. `fields` (s×9×r) is the matrix from the unknowns to
+    u′, θ and θ′ at s `stations` (m from the root), with the quadrature `weights` (m). `gyration`
+    (s) is the squared polar radius of gyration i² (m²) of the sections at the stations.
     """
 
     matrices: LegMatrices

@@ -51,7 +51,7 @@ class SteppedLeg:
 
 
 def stepped_leg(leg: SteppedLeg, build: Callable[[Piece], LegMatrices]) -> LegMatrices:
-    """Matrices of a leg of prismatic pieces, assembled from the matrices of the pieces.
+    """Stiffness and mass of a leg of prismatic pieces, assembled from those of the pieces.
 
     `build` is a function that returns the free beam or solid model of a piece. The unknowns are the
     twists of root (6) and tip (6), the twists of the nodes between pieces (6 each), then the
@@ -94,9 +94,9 @@ def stepped_leg(leg: SteppedLeg, build: Callable[[Piece], LegMatrices]) -> LegMa
 def _node(node: int, count: int, length: float) -> tuple[int, Array | None]:
     """Index of the first unknown of a node, and the point to which the node's twist is referred.
 
-    Nodes are numbered from 0 at the root to `count` at the tip. The twists of these two nodes are
-    referred to the ends of the straight line of `length` (m). For other nodes the point is None:
-    the twist is referred to the node itself.
+    Nodes are numbered from 0 at the root to `count` at the tip. The twists of the root and of the
+    tip are referred to the ends of the straight line of `length` (m). For other nodes the point is
+    None: the twist is referred to the node itself.
     """
     if node == 0:
         return 0, np.zeros(3)

@@ -148,8 +148,8 @@ class RootedBody:
     def relative(self) -> Array:
         """Matrix [−X I] (6(m−1) × 6m) from the twists of the m interfaces to m − 1 relative twists.
 
-        These are the twists of all interfaces but the first, minus their twists in the rigid motion
-        of the body with the first interface.
+        The relative twists are the twists of all interfaces but the first, minus their twists in
+        the rigid motion of the body with the first interface.
         """
         points = self.solid.points
         carried = [shift(point - points[0]) for point in points[1:]]
@@ -195,7 +195,7 @@ class RootedBody:
         return self.space.put(self.response)
 
     def modes(self, count: int) -> CertifiedModes:
-        """The lowest `count` modes with the first interface clamped and the others free.
+        """The lowest `count` modes with the first interface clamped and the other interfaces free.
 
         Shapes are displacements u of the nodes. A count of eigenvalues (`fem.solvers.certificate`)
         proves that none is missing. For the count the factor is released and recomputed later.
@@ -216,7 +216,7 @@ class RootedBody:
     def uncounted_frequencies(self, count: int) -> Array:
         """Frequencies (Hz) of the lowest `count` modes, without the proof that none is missing.
 
-        The first interface is clamped, the others are free.
+        The first interface is clamped, the other interfaces are free.
         """
         mass, factor = self.solid.mass, self.factor
         if isinstance(factor, RenewableIteration):
@@ -245,7 +245,7 @@ class RootedBody:
     def rooted_inertia(self, sigma: float) -> Inertia:
         """Numbers of negative, zero and positive eigenvalues of K − σM.
 
-        The first interface is clamped, and the others are free. `sigma` is σ in rad²/s².
+        The first interface is clamped, and the other interfaces are free. `sigma` is σ in rad²/s².
         """
         return self._inertia(sigma, self.root)
 

@@ -1,9 +1,10 @@
 """Input decks for CalculiX (and Abaqus): a model as plain data, and the text of its deck.
 
-Rigid faces, joints and supports are linear equations between nodal displacements. These are exact
-in a linear step; *RIGID BODY, which is made for finite rotations, need not be. A rotation is
-represented by the displacement of a separate node. A freedom is a pair (node, component), with the
-components 0, 1, 2 for x, y, z. Nodes are numbered from 0 here and from 1 in the text. Units are SI.
+Rigid faces, joints and supports are linear equations between nodal displacements. Linear equations
+are exact in a linear step; *RIGID BODY, which is made for finite rotations, need not be. A rotation
+is represented by the displacement of a separate node. A freedom is a pair (node, component), with
+the components 0, 1, 2 for x, y, z. Nodes are numbered from 0 here and from 1 in the text. Units are
+SI.
 """
 
 from collections.abc import Iterator, Sequence

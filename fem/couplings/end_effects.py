@@ -2,11 +2,12 @@
 
 The solution is exact along x. On the mesh of the section, a prism satisfies E₀u″ + Gu′ − E₂u = 0
 (semi-analytical finite elements, with the 3N displacements u of a section). Twelve solutions are
-polynomials: rigid motions, and Saint-Venant's states of tension, torsion, bending and flexure. The
-others are fields e^{∓γx} that decay from either end (R. A. Toupin, Arch. Rat. Mech. Anal. 18 (1965)
-83). In a strip, these are the solutions of Papkovich and Fadle, with γc = 2.106 + 1.125i for half
-its height c. At a face that stays plane and rigid the decaying fields occur as well: the face
-prevents warping by torque and shear and, if ν > 0, contraction by tension and bending.
+polynomials: rigid motions, and Saint-Venant's states of tension, torsion, bending and flexure. All
+other solutions are fields e^{∓γx} that decay from either end (R. A. Toupin, Arch. Rat. Mech. Anal.
+18 (1965) 83). In a strip, the decaying fields are the solutions of Papkovich and Fadle, with γc =
+2.106 + 1.125i for half its height c. At a face that stays plane and rigid the decaying fields occur
+as well: the face prevents warping by torque and shear and, if ν > 0, contraction by tension and
+bending.
 
 The decaying fields v have no resultant, and v = −w + a rigid motion on both faces, where w is the
 warping of the state of a unit wrench. With the tractions f of this state and t of v, Betti's

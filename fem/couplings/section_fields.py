@@ -117,9 +117,9 @@ class SectionFields:
 class SectionState:
     """Saint-Venant's states (m) at one section of a prism.
 
-    These are the solutions that are polynomials in x. `fields` (n×m) are their displacements,
-    `warping` (n×m) their displacements without the rigid motion of the section. `forces` (n×m) are
-    the nodal forces on the section, E₀u′ + E₁u.
+    Saint-Venant's states are the solutions that are polynomials in x. `fields` (n×m) are their
+    displacements, `warping` (n×m) their displacements without the rigid motion of the section.
+    `forces` (n×m) are the nodal forces on the section, E₀u′ + E₁u.
     """
 
     fields: Array
@@ -130,10 +130,10 @@ class SectionState:
 def section_fields(mesh: SectionMesh, material: Material | Moduli) -> list[SectionFields]:
     """Fields of a section for each symmetry of its mesh and of its moduli.
 
-    With two axes of symmetry these are "tension", "torsion", "bending y" and "bending z". With less
-    symmetry, the kinds of deformation that are coupled form one entry. Rigid motions are about the
-    centroid or, in a section of several materials, about the origin of its mesh. Planes normal to
-    the prism must be planes of symmetry of its materials. Otherwise `material.inclined` must be
+    With two axes of symmetry the fields are "tension", "torsion", "bending y" and "bending z". With
+    less symmetry, the kinds of deformation that are coupled form one entry. Rigid motions are about
+    the centroid or, in a section of several materials, about the origin of its mesh. Planes normal
+    to the prism must be planes of symmetry of its materials. Otherwise `material.inclined` must be
     True.
     """
     quad = section_quadrature(mesh)

@@ -2,11 +2,11 @@
 
 The displacements are u = Ψ q + Φ a + Z b with the twists q of the interfaces, modal amplitudes a
 and b, and three kinds of shapes: constraint modes Ψ; modes Φ with all interfaces fixed, K Φ = M Φ
-Λ, up to a cut-off frequency (Craig and Bampton, AIAA J. 6, 1968); and residual modes Z. These are
-the columns of A M Ψ (twelve for a leg) without their part in Φ, with the flexibility A of the body
-with fixed interfaces. They are the response of the dropped modes to the inertia of the motion of
-the interfaces. Without residual modes the error in tension decreases only with the third power of
-the cut-off.
+Λ, up to a cut-off frequency (Craig and Bampton, AIAA J. 6, 1968); and residual modes Z. The
+residual modes are the columns of A M Ψ (twelve for a leg) without their part in Φ, with the
+flexibility A of the body with fixed interfaces. They are the response of the dropped modes to the
+inertia of the motion of the interfaces. Without residual modes the error in tension decreases only
+with the third power of the cut-off.
 
 Error bounds. Eliminating all amplitudes gives the dynamic stiffness of the interfaces, λ = ω², D(λ)
 = K − λM − λ² Σ p pᵀ/(λ_k − λ), p = ΨᵀMφ_k. Let λ_c be the cut-off and sum over the dropped modes. Z
@@ -69,7 +69,8 @@ class Truncated(Protocol):
     def cutoff(self) -> float:
         """Frequency (Hz) below which no mode of the body has been dropped.
 
-        Depending on the reduction, these are modes with fixed interfaces or modes of the free body.
+        Depending on the reduction, the modes are those with fixed interfaces or those of the free
+        body.
         """
         ...
 
@@ -103,9 +104,9 @@ class FrequencyBounds:
 class Reduction:
     """A body with any number of interfaces, reduced to r unknowns q.
 
-    These are the twists of the interfaces, then modal amplitudes. Displacements are u = `recovery`
-    q. `stiffness` and `mass` are r×r. `cutoff`, `frequencies` and `truncated` are explained in
-    `CraigBampton`, `counted` in `fem.reduction.counted_modes`.
+    The unknowns are the twists of the interfaces, then modal amplitudes. Displacements are u =
+    `recovery` q. `stiffness` and `mass` are r×r. `cutoff`, `frequencies` and `truncated` are
+    explained in `CraigBampton`, `counted` in `fem.reduction.counted_modes`.
     """
 
     recovery: Array

@@ -1,11 +1,11 @@
-"""Free-interface reduction of a body: its free modes, and the residual flexibility of the others.
+"""Free-interface reduction of a body: kept free modes, and residual flexibility of dropped ones.
 
 The displacements are u = R r + Φ a + Z f with rigid motions R, elastic modes Φ of the free body up
-to a cut-off frequency, and residual modes Z. These are the static response Z = Σ φ_k pᵀ/λ_k of the
-dropped modes to wrenches at the interfaces, p = Bᵀφ_k (MacNeal, Comput. Struct. 1, 1971). Their
-mass is included (Rubin, AIAA J. 13, 1975). The constraint modes Ψ are among these u: statics are
-exact, and the twists of the interfaces can replace as many amplitudes. The remaining shapes have
-fixed interfaces, as in `fem.reduction.craig_bampton`.
+to a cut-off frequency, and residual modes Z. The residual modes are the static response Z = Σ φ_k
+pᵀ/λ_k of the dropped modes to wrenches at the interfaces, p = Bᵀφ_k (MacNeal, Comput. Struct. 1,
+1971). Their mass is included (Rubin, AIAA J. 13, 1975). The constraint modes Ψ are among these u:
+statics are exact, and the twists of the interfaces can replace as many amplitudes. The remaining
+shapes have fixed interfaces, as in `fem.reduction.craig_bampton`.
 
 Error bounds. With λ = ω² the dropped modes are a flexibility H = Σ p pᵀ/(λ_k − λ) between the body
 with the kept modes and its interfaces. Galerkin's method on Z gives Σ P Pᵀ/(Λ − λ) instead, with

@@ -87,8 +87,8 @@ def composite_properties(
 ) -> BeamProperties:
     """Timoshenko beam of a section of several materials, along the origin of its mesh.
 
-    If parts have different Poisson's ratios, each hinders the contraction of the others, which
-    increases EA and EI. This effect is included. The coupling of tension and bending that it
+    If parts have different Poisson's ratios, each part hinders the contraction of the other parts,
+    which increases EA and EI. This effect is included. The coupling of tension and bending that it
     causes, of second order in the difference of the ratios, is neglected. `helical` is True for
     walls of helical fibres. Otherwise couplings of tension with torsion and of shear with bending
     are neglected.

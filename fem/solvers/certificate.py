@@ -69,7 +69,7 @@ def count_below(
     the number of eigenvalues of K x = λ M x below σ. If `zero` is above zero, σ is too near an
     eigenvalue and must be changed. With `constraints` B (n×c, of full rank), only vectors with Bᵀx
     = 0 are admissible. `room` is a factor whose memory may be released for the count. None if there
-    is none.
+    is no such factor.
     """
     n, springs = pencil.symbolic.size, pencil.springs
     if room is not None:

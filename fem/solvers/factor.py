@@ -43,7 +43,7 @@ class NotPositiveDefiniteError(ComputationError):
 
 
 class Inertia(NamedTuple):
-    """Numbers of negative, zero (within round-off) and positive eigenvalues."""
+    """Numbers of negative, zero (within round-off) and positive eigenvalues of a matrix."""
 
     negative: int
     zero: int

@@ -47,8 +47,8 @@ class CertifiedModes(Modes):
 
     `frequency_errors` are estimated relative errors, the smaller of two bounds from the residual.
     `count` is the number of eigenvalues below `shift` (rad²/s²), by the signs of K − shift·M. These
-    are the returned modes and possibly further ones, such as the rest of the cluster of the last
-    mode.
+    eigenvalues are those of the returned modes and possibly of further ones, such as the rest of
+    the cluster of the last mode.
     """
 
     frequency_errors: Array

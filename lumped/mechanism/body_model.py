@@ -1,4 +1,4 @@
-"""Matrices of one free body: the common form in which all body models enter the assembly.
+"""Stiffness and mass of one free body: the common form in which all body models enter the assembly.
 
 A leg is a body with a root, a tip and a centreline, along which figures draw its sections.
 """

@@ -107,7 +107,7 @@ def links(mechanism: Mechanism, legs: Mapping[str, Array]) -> dict[str, LegMatri
 
 
 def link(length: float, compliance: Array) -> LegMatrices:
-    """Matrices of a massless leg of `length` (m), from its tip compliance.
+    """Stiffness matrix of a massless leg of `length` (m), from its tip compliance.
 
     `compliance` is 6×6 (SI, leg axes, root clamped). The centre line of the leg is the straight
     line between its ends, and twists are interpolated linearly along it.

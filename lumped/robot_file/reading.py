@@ -2,7 +2,8 @@
 
 The uncertainty of a printed compliance is half a unit of its last digit: 1.67e-10 lies between
 1.665e-10 and 1.675e-10. Zeros, integers and numbers changed by `--vary` count as exact. So does a
-6×6 whose entries have fewer than three digits: these are round figures chosen by a designer.
+6×6 compliance whose entries have fewer than three digits: such entries are round figures chosen by
+a designer.
 """
 
 import csv

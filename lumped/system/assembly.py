@@ -2,8 +2,8 @@
 
 The models are dense, sparse or reduced. A node is a rigid body, or one interface of a deformable
 body. The first unknowns of a system describe all motions of its nodes that the joints allow
-(`lumped.system.motions`). The others are the internal unknowns of the bodies in body axes, whose
-matrices are assembled once. For each posture only the rows and columns of the interfaces are
+(`lumped.system.motions`). The remaining unknowns are the internal ones of the bodies in body axes,
+whose matrices are assembled once. For each posture only the rows and columns of the interfaces are
 rotated, for many postures together.
 """
 
@@ -39,11 +39,11 @@ from lumped.system.motions import (
 class System:
     """Stiffness and mass matrices (n×n, SI, dense or sparse) of a mechanism in one posture.
 
-    The first unknowns are those of the nodes (`motions`), the others are internal to the bodies.
-    `models` are the models of the deformable bodies, by name. `tool` (6×n) maps the unknowns to the
-    twist of the loaded point in base axes. `ends` contains, by body, the matrix (6m × unknowns of
-    the nodes) that maps the unknowns of the nodes to the twists of the body's m interfaces in body
-    axes. `inside` contains, by body, the slice of the body's internal unknowns.
+    The first unknowns are those of the nodes (`motions`), the remaining ones are internal to the
+    bodies. `models` are the models of the deformable bodies, by name. `tool` (6×n) maps the
+    unknowns to the twist of the loaded point in base axes. `ends` contains, by body, the matrix (6m
+    × unknowns of the nodes) that maps the unknowns of the nodes to the twists of the body's m
+    interfaces in body axes. `inside` contains, by body, the slice of the body's internal unknowns.
     """
 
     name: str

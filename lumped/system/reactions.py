@@ -187,7 +187,7 @@ def _body_forces(
 def _distributed_load(system: System, body: str, load: Loading) -> Array:
     """Forces (6m, body axes) on the m interfaces of a body that represent distributed loads.
 
-    These are gravity, inertia, loads along a leg and pressures.
+    Distributed loads are gravity, inertia, loads along a leg and pressures.
     """
     points = list(system.posture.mechanism.bodies[body].interfaces)
     wrenches = np.zeros((len(points), 6))

@@ -393,9 +393,9 @@ def _response_basis(solution: Solved, highest: float, loads: Array, dashpots: Ar
 
     The basis contains the real modes up to that frequency, the static responses to the loads minus
     the part that these modes contain, and the static responses to the dissipative forces in all
-    these motions. With the last of these, the error is of second order in the loss factors. Forces
-    of `dashpots` (matrix of `_dashpot_rows`) may be large, so that the static response to the force
-    of each dashpot is added, too.
+    these motions. With the responses to the dissipative forces, the error is of second order in the
+    loss factors. Forces of `dashpots` (matrix of `_dashpot_rows`) may be large, so that the static
+    response to the force of each dashpot is added, too.
     """
     real_modes = _modes_up_to(solution, highest)
     motions = real_modes.shapes / (2.0 * np.pi * real_modes.frequencies)

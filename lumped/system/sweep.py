@@ -140,7 +140,10 @@ def _individually(system: System, count: int) -> Swept:
 def _together(
     prepared: Assembly, inside: _InnerMatrices, postures: Sequence[Posture], count: int
 ) -> Swept | None:
-    """Results of a batch of postures. None if the postures must be solved individually."""
+    """Compliances and frequencies of a batch of postures, solved together.
+
+    None if the postures must be solved individually.
+    """
     try:
         nodes = prepared.node_matrices(postures)
         if not is_well_scaled(nodes.stiffness):

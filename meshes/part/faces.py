@@ -73,7 +73,7 @@ def face_of(number: int, nodes: Array, facets: Facets, name: str = "") -> Face:
 def _plain(direction: Array) -> Array:
     """Direction (3) whose components below 1e-9 are set to zero.
 
-    These are round-off, which would be printed as -0 or 1e-17.
+    Components this small are round-off, which would be printed as -0 or 1e-17.
     """
     return np.asarray(np.where(np.abs(direction) < 1e-9, 0.0, direction))
 

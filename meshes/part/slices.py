@@ -65,8 +65,8 @@ class Slice:
     def measures(self) -> Array:
         """Four numbers that identify the section: two areas (m²) and two principal moments (m⁴).
 
-        These are the area without the holes, the area including the holes, and the smaller and the
-        larger principal second moment of area.
+        The numbers are the area without the holes, the area including the holes, and the smaller
+        and the larger principal second moment of area.
         """
         centre = self.centroid
         holes = sum(_moments(hole - centre)[2] for hole in self.holes)

@@ -47,7 +47,7 @@ class DisplacementErrors:
 
 @dataclass(frozen=True, eq=False)
 class ModePairing:
-    """Data of the paired modes behind frequency errors (arrays of R interpretations by P poses).
+    """Comparison of modes paired for frequency errors (arrays of R interpretations by P poses).
 
     `below`, `above`: distances from the error down to the lowest and up to the highest error with
     any partner that the shapes allow; zero if the shapes allow only one partner. For the quantity

@@ -157,7 +157,7 @@ class ModelErrors:
         """Lowest and highest error (P each) of modes that can have this `number` (index from 0).
 
         `rows` are the interpretations at the ends of a range of stiffness inside the legs. Both are
-        infinite if the model has no partner of such a mode. Array sizes: P poses.
+        infinite if the model has no partner of the mode. Array sizes: P poses.
         """
         interpretations = self.subject.dynamics.interpretations
         solved = [

@@ -186,7 +186,7 @@ class ErrorOfInputs:
     def shares(self, pose: int) -> dict[str, float]:
         """Share of each input in the variance of the error of a pose, by key, in descending order.
 
-        These are first-order Sobol' indices.
+        The shares are first-order Sobol' indices.
         """
         nominal, below, above = (
             self._vectors(components) for components in self._largest_components(pose)

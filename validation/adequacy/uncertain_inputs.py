@@ -93,7 +93,7 @@ class UncertainInputs:
 
 @dataclass(frozen=True, eq=False)
 class _RobotErrors:
-    """Errors of a quantity of a model for one robot. `errors` is None if there are none.
+    """Errors of a quantity of a model for one robot. `errors` is None if the model has no solution.
 
     `statics`: statics of the reference and of the model for each interpretation, from which the
     errors are computed.

@@ -186,9 +186,9 @@ def _solid_statics(context: Context, body: str, ends: Ends) -> tuple[Refinement,
     """Tip compliances of the solid leg on several meshes, and the section divisions of each mesh.
 
     The meshes are those that the preset allows for the doubling method (`fem.bodies.doubling`). If
-    there are fewer than two, the two meshes of the robot's solids are used; these may have the same
-    section mesh and different numbers of slices along the leg. Raises Skip if the preset allows
-    none of these meshes.
+    there are fewer than two, the two meshes of the robot's solids are used; the two may have the
+    same section mesh and different numbers of slices along the leg. Raises Skip if the preset
+    allows none of these meshes.
     """
     leg = constant_leg_of(context, body)
     if shapeless := why_shapeless([leg]):

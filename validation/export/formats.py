@@ -96,8 +96,8 @@ def as_exudyn(reduced: Reduced) -> bytes:
 def as_simscape(reduced: Reduced) -> bytes:
     """Variables (.mat) of the block Reduced Order Flexible Solid.
 
-    These are origins, stiffness, mass and damping. Each interface has a frame with the axes of the
-    body; frames are in the order of the unknowns.
+    The variables are origins, stiffness, mass and damping. Each interface has a frame with the axes
+    of the body; frames are in the order of the unknowns.
     """
     return _mat(
         {

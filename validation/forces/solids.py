@@ -1,9 +1,9 @@
 """Stress fields of legs and CAD parts as solids under the forces on their interfaces.
 
 Input: a posture, a load, and the wrenches and twists of the interfaces by a model of the robot.
-Output: `SolidStress` for each body. Rule: the first interface is clamped, the others have their
-wrenches, and weight and inertia act on the mass. By equilibrium of the body, the reaction of the
-first interface is then the wrench that acts on it. Pressures act on the faces of a CAD part.
+Output: `SolidStress` for each body. Rule: the first interface is clamped, the other interfaces have
+their wrenches, and weight and inertia act on the mass. By equilibrium of the body, the reaction of
+the first interface is then the wrench that acts on it. Pressures act on the faces of a CAD part.
 """
 
 from collections.abc import Mapping

@@ -1,4 +1,4 @@
-"""Scene of a mechanism: one posture with all surfaces, the others as lines, with names.
+"""Scene of a mechanism: one posture with all surfaces, the other postures as lines, with names.
 
 Input: a mechanism and its postures. Output: a `Scene` for `validation.drawing`. Rule: a mechanism
 whose joints lie in one plane is seen along the normal of that plane, any other obliquely from
@@ -38,7 +38,7 @@ _LINE_POINTS = 41
 
 
 def scene(mechanism: Mechanism, postures: Sequence[Posture], *, named: bool = True) -> Scene:
-    """Scene with the middle posture as surfaces and the others as lines.
+    """Scene with the middle posture as surfaces and the other postures as lines.
 
     If not `named`, names of bodies and joints and the pose are omitted, for small pictures next to
     a text with the posture.

@@ -75,7 +75,7 @@ def postures_on_path(mechanism: Mechanism, poses: Sequence[Array] | Array) -> li
 def _postures_and_faults(
     mechanism: Mechanism, poses: Sequence[Array] | Array
 ) -> tuple[list[Posture], list[str]]:
-    """Postures of the poses that can be reached, and the reasons why the others cannot."""
+    """Postures of the poses that can be reached, and why each other pose cannot be reached."""
     find, start = partial(posture, mechanism), perf_counter()
     postures, faults = collect_faults(find, poses[:_TIMED_POSES])
     seconds = (perf_counter() - start) * (len(poses) / _TIMED_POSES - 1.0)

@@ -264,7 +264,7 @@ def _with_missing_values(entry: Entry, reasons: Mapping[Measured, str]) -> Entry
     """Entry changed to undecided if the model could not compute some values that were measured.
 
     `reasons`: reason why the model has no value, for each measured value concerned. The entry is
-    unchanged if there are none, or if it is inadequate.
+    unchanged if `reasons` is empty, or if the entry is inadequate.
     """
     if not reasons or entry.verdict == "inadequate":
         return entry

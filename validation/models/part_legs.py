@@ -1,8 +1,9 @@
 """CAD parts with two interfaces as legs of lumped and beam models.
 
 Input: a body that is a CAD part, and options. Output: its `BodyModel`: by its 6×6 compliance, as an
-equivalent or stepped leg, or condensed. The x axis of such a leg runs from the point of the first
-interface to that of the second; its z axis is as near as possible to the z axis of the part's file.
+equivalent or stepped leg, or condensed. The x axis of the leg that represents the part runs from
+the point of the first interface to that of the second; its z axis is as near as possible to the z
+axis of the part's file.
 """
 
 from collections.abc import Callable, Sequence

@@ -90,7 +90,7 @@ def dynamic_bodies(
     options: ModelOptions = DEFAULT_OPTIONS,
     part_mesh: PartMeshing = FINE_PARTS,
 ) -> dict[str, BodyModel]:
-    """Model of each body, accurate for frequencies of the mechanism up to `highest` (Hz).
+    """Matrices of each leg and CAD part, for frequencies of the mechanism up to `highest` (Hz).
 
     Bodies are reduced, unless beams or segments have so few unknowns that reduction saves no time.
     `part_mesh`: mesh and coupling of CAD parts as solids.
@@ -104,7 +104,7 @@ def dynamic_bodies(
 def unreduced_bodies(
     model: ModelName, mechanism: Mechanism, options: ModelOptions
 ) -> dict[str, BodyModel] | None:
-    """Model of each body with all its modes. None if reduced models save time."""
+    """Matrices of each leg and CAD part with all its modes. None if reduction saves time."""
     if model == "solid":
         return None
     bodies = bodies_of(mechanism, options, partial(leg_matrices, model))
@@ -118,7 +118,7 @@ def reduced_bodies(
     options: ModelOptions,
     part_mesh: PartMeshing = FINE_PARTS,
 ) -> dict[str, BodyModel]:
-    """Model of each body with its modes below a cut-off frequency above `highest` (Hz).
+    """Matrices of each leg and CAD part, reduced to modes below a cut-off above `highest` (Hz).
 
     `part_mesh`: mesh and coupling of CAD parts as solids.
     """
@@ -151,7 +151,7 @@ def bodies_of(
     options: ModelOptions,
     build: Callable[[SectionedLeg | SteppedLeg, ModelOptions], LegMatrices],
 ) -> dict[str, BodyModel]:
-    """Model of each leg and CAD part, made by `build` if the body is modelled as a leg."""
+    """Matrices of each leg and CAD part, made by `build` if the body is modelled as a leg."""
     legs: dict[str, BodyModel] = {
         name: filled(build(leg, leg_options))
         for name, leg, leg_options in sectioned_legs(mechanism, options)

@@ -224,8 +224,8 @@ def modes_along(
 ) -> Iterator[PostureModes]:
     """Lowest `count` modes of an assembly in each posture. All modes if fewer move mass.
 
-    Raises ComputationError if round-off dominates the compliance at the loaded point: frequencies
-    of such a system are as wrong as its compliance, without any sign of it.
+    Raises ComputationError if round-off dominates the compliance at the loaded point: the
+    frequencies of the system would be as wrong as its compliance, without any sign of it.
     """
     for system in prepared.along(postures):
         solution = solved(system)

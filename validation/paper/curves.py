@@ -164,8 +164,8 @@ def deflections_of_the_family(context: Context) -> Chart:
 def frequencies_over_the_stroke(context: Context) -> Chart:
     """Chart of frequencies over the stroke in two panels.
 
-    One has the first two frequencies by models with elastic legs, the other the first frequency by
-    all models.
+    One panel has the first two frequencies by models with elastic legs, the other the first
+    frequency by all models.
     """
     models = (SIMPLIFIED, SEGMENTS, SEGMENTS_AS_PRINTED, BEAM)
     x, frequency = _over_the_stroke(context, models, _frequencies)

@@ -151,7 +151,8 @@ def _measure(
     """Measurement of the case for one of its curves.
 
     `variant`: options as printed or as corrected. It has no effect if the function of the case has
-    no such parameter. `curve`: arguments of that function for the curve, None if there are none.
+    no such parameter. `curve`: arguments of that function for the curve, None if the curve has no
+    arguments.
     """
     compute: Callable[..., Measurement] = case.compute
     options = {"variant": variant} if "variant" in signature(compute).parameters else {}

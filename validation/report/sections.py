@@ -59,8 +59,8 @@ class PageSection:
     """A group of cases with the figures that belong to it.
 
     `plotted`: True to draw the studies behind the comparisons, and error budgets. A plot that
-    cannot be drawn is omitted, without an effect on the others. `coordinates`: coordinates of the
-    tool that a pose prescribes.
+    cannot be drawn is omitted, without an effect on the other plots. `coordinates`: coordinates of
+    the tool that a pose prescribes.
     """
 
     title: str

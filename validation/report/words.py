@@ -1,8 +1,8 @@
 """Names of models and quantities in sentences, and the sentence on a matrix of verdicts.
 
 Input: a `Matrix` and the models relied on. Output: sentences. Rule: the sentence has the verdicts
-on the models relied on; if there are none, it recommends models. It has at most forty words, unless
-many models are relied on. Assumptions are a separate sentence.
+on the models relied on; if no models are relied on, it recommends models. It has at most forty
+words, unless many models are relied on. Assumptions are a separate sentence.
 """
 
 from collections.abc import Collection, Mapping, Sequence

@@ -7,7 +7,8 @@ or renamed file counts as absent, and its content is computed again.
 The folder is $XDG_CACHE_HOME/flexproof, otherwise ~/.cache/flexproof. FLEXPROOF_CACHE sets another
 folder, or "off". Each key has a file (numpy's npz, which needs neither pickle nor a further
 library), which appears whole or not at all. Any number of processes share the cache: if several
-need the same entry, one computes it and the others wait. Content is never unpickled.
+need the same entry, one process computes it and the other processes wait. Content is never
+unpickled.
 """
 
 import os

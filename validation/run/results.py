@@ -238,7 +238,7 @@ class Results:
 
     @property
     def matrices(self) -> tuple[Matrix, ...]:
-        """Matrices of the models: against computed references, then against measured values."""
+        """Matrices of verdicts against computed references, then against measured values."""
         return tuple(matrix for matrix in (self.matrix, self.measured) if matrix)
 
     @property

@@ -135,7 +135,7 @@ def _without_numbers(
 def _groups(tasks: Sequence[Task]) -> list[list[str]]:
     """Ids of tasks, grouped by process. Groups with assessments of models come first.
 
-    The others follow by decreasing effort: short groups at the end balance the load of the
+    The other groups follow by decreasing effort: short groups at the end balance the load of the
     processes.
     """
     groups: dict[str, list[Task]] = {}

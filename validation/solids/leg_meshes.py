@@ -205,7 +205,7 @@ def doubled_unknowns(leg: ConstantLeg, divisions: int) -> int:
 def mesh_pair(leg: ConstantLeg, most: int) -> tuple[tuple[int, int], tuple[int, int]]:
     """Divisions across the section and slices along the leg, for a coarse and a fine mesh.
 
-    These are the two finest meshes whose section meshes have at most `most` unknowns. If only one
+    The two meshes are the finest whose section meshes have at most `most` unknowns. If only one
     section mesh of thin walls is that small, both solids have it, and the coarser solid has half as
     many slices along the leg. The error of the section mesh is then in the section constants of the
     beam as well. Raises InputError if even the coarsest section mesh has more than `most` unknowns.

@@ -1,8 +1,9 @@
 """Best of several varied robots: smallest or largest value of one quantity, under conditions.
 
 Input: texts such as "mass" and "f1>=60", and the answers of one model for each robot. Output: the
-quantities of each robot, the robots that meet all conditions, and the best of these. Rule: of the
-poses of a robot the worst one counts, that is the largest deflection and the lowest frequency.
+quantities of each robot, the robots that meet all conditions, and the best of these robots. Rule:
+of the poses of a robot the worst one counts, that is the largest deflection and the lowest
+frequency.
 """
 
 import re

@@ -2,7 +2,7 @@
 
 Input: a `Question`. Output: a `Solution` with uncertainties. Rule: statics and modes come from
 `Responses`, as for verdicts. For solids, a second mesh gives the half-widths; with --accuracy,
-meshes are refined until these are small enough.
+meshes are refined until the half-widths are small enough.
 """
 
 from collections.abc import Sequence

@@ -61,7 +61,10 @@ class SolvedModes(PathModes):
 
 
 def solved_model(question: Question) -> Model:
-    """Model of a question. A free body has no statics, and a static model no modes."""
+    """Solvable model that answers a question.
+
+    A free body has no statics. A static model, or a question for no modes, has no modes.
+    """
     fields = ("part_mesh", "ends") if question.model == "solid" else ()
     modes = cache(partial(_modes, question))
     return Model(

@@ -2,9 +2,9 @@
 
 Input: a mesh, functions that solve and refine it, and the requested relative half-width. Output:
 the last solution, and the accuracy that was reached. Rule: refinement ends when the accuracy is
-reached or a finer mesh is too large; in the latter case the request is reported as missed, with the
-reason. The size of meshes decides, never the computing time, so results do not depend on the load
-of the machine.
+reached or a finer mesh is too large; if a finer mesh is too large, the request is reported as
+missed, with the reason. The size of meshes decides, never the computing time, so results do not
+depend on the load of the machine.
 """
 
 from collections.abc import Callable

@@ -42,13 +42,13 @@ _MICROMETRES = 1e9
 
 @dataclass(frozen=True, eq=False)
 class VariedModels:
-    """Results of all models for one robot of a variation, as plain arrays for the cache.
+    """Objective and errors of all models for one robot of a variation, as plain arrays.
 
     There are c curves with `names`. Those before index `first_reference` belong to models, the
-    others to the reference under each interpretation of the robot file. `values` (c×k, SI) and
-    `differences` (c×k, relative to the first reference) are those in `pose`, the middle of the
-    path. `extremes` (c): largest deflection (µm) or smallest first frequency (Hz) over the path;
-    `uncertainties` (c): their relative half-widths, zero for models. Shapes: k quantities.
+    remaining curves to the reference under each interpretation of the robot file. `values` (c×k,
+    SI) and `differences` (c×k, relative to the first reference) are those in `pose`, the middle of
+    the path. `extremes` (c): largest deflection (µm) or smallest first frequency (Hz) over the
+    path; `uncertainties` (c): their relative half-widths, zero for models. Shapes: k quantities.
     """
 
     pose: Array
@@ -81,7 +81,7 @@ class VariedRobot:
             return path_postures(self._context())
 
     def compute(self) -> VariedModels:
-        """Results of all models for this robot.
+        """Values of all models and of the reference for this robot.
 
         Raises InputError if there is no reference, and ComputationError if a model cannot be
         solved. Both messages contain the value of the varied parameter.
@@ -202,7 +202,7 @@ def computed(
 
 
 def _arrays(unit: Unit[T], names: Sequence[str]) -> dict[str, Any]:
-    """Result of a unit as arrays: its fields with these `names`."""
+    """Arrays in the fields `names` of the result of a unit, by field."""
     result = unit.compute()
     return {name: getattr(result, name) for name in names}
 

@@ -41,7 +41,7 @@ def choose(request: Solver, unknowns: int, card: Device | None) -> Solver:
 
     It is PETSc if PETSc or its multigrid GAMG is requested. It is cuDSS if there is a `card` and
     cuDSS is requested, or if cuDSS is faster and the matrix may fit the card. Otherwise it is
-    rslab. `card` is the graphics card. None if there is none.
+    rslab. `card` is the graphics card. None if the machine has no card.
     """
     if request.is_petsc:
         return Solver.PETSC

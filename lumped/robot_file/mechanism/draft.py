@@ -70,8 +70,8 @@ class BodyDraft(LegDraft):
     """Entry of a body with derived values.
 
     `kind` is None if the keys belong to no kind or to several kinds. `interface_points` are the
-    names of the body's points. None if these have faults. `vector` (3, in m) points from the first
-    to the second point of a leg. None for other bodies, and if a point is unknown.
+    names of the body's points. None if the points have faults. `vector` (3, in m) points from the
+    first to the second point of a leg. None for other bodies, and if a point is unknown.
     """
 
     entry: BodyEntry

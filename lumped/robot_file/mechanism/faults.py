@@ -170,7 +170,7 @@ def _idle_points(description: Draft, loaded: Collection[str | None]) -> Iterator
 
 
 def motion_faults(mechanism: Mechanism) -> list[str]:
-    """Faults of the mobility in the reference posture or, if there are none, of the path."""
+    """Faults of the mobility in the reference posture. If it has none, faults of the path."""
     result = mobility(reference_posture(mechanism))
     if faults := list(_mobility_faults(mechanism, result)):
         return faults

@@ -217,7 +217,7 @@ def _copied(
     def placed(stop: Any) -> Any:
         """Point of a leg's centre line in the copy, from that of the entry.
 
-        Both are a name, coordinates, or a table { arc = POINT } with one of these.
+        Both are a name, coordinates, or a table { arc = POINT } with a name or coordinates.
         """
         if isinstance(stop, dict):
             return {key: placed(point) for key, point in stop.items()}

@@ -78,11 +78,12 @@ def plausible_masses(legs: Collection[GivenLeg]) -> tuple[Masses, ...]:
 
 
 def leg_with_inside(leg: GivenLeg, inside: Inside, highest: float) -> LegMatrices:
-    """Matrices of a leg from its compliance and an assumed distribution of mass and stiffness.
+    """Stiffness and mass matrices of a leg from its compliance, with an assumed inside.
 
-    They are accurate up to `highest` (Hz). A lumped mass lies at the leg's `mass_centre`, or in the
-    middle if that is unknown; it is a point mass if `inertia` is unknown. If `mass_centre` is
-    known, wedges give the same matrices as mass along the leg.
+    `inside` is the distribution of mass and stiffness. The matrices are accurate up to `highest`
+    (Hz). A lumped mass lies at the leg's `mass_centre`, or in the middle if that is unknown; it is
+    a point mass if `inertia` is unknown. If `mass_centre` is known, wedges give the same matrices
+    as mass along the leg.
     """
     return by_shapes(shapes_inside(leg, inside, highest, _ELEMENTS), leg, inside, _ELEMENTS)
 

@@ -408,8 +408,8 @@ def installed() -> bool:
 def title(gamg: str = "") -> str:
     """Names and versions of the libraries, and the ranks and hosts, as a text.
 
-    `gamg` describes the systems of equations that GAMG solves. "" if there are none. Raises
-    MissingPetscError.
+    `gamg` describes the systems of equations that GAMG solves. `gamg` is "" if GAMG solves none.
+    Raises MissingPetscError.
     """
     about = server().about
     mumps = f"MUMPS {about['mumps']}".rstrip()
