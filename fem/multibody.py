@@ -44,9 +44,9 @@ def require_beams(mechanism: Mechanism) -> None:
     The error contains one message per unsupported property.
     """
     faults = [
-        f"{name}: the EXUDYN comparison needs a section; this body is a {description}"
+        f"{name}: the EXUDYN comparison needs a section; {name} is a {description}"
         for kind, description in (
-            (GivenLeg, "leg specified by its 6×6"),
+            (GivenLeg, "leg specified by its 6×6 compliance"),
             (Part, "part"),
         )
         for name, body in mechanism.bodies.items()

@@ -62,8 +62,8 @@ def why_no_loft(leg: LineLeg) -> str:
     if leg.line.corners:
         positions = ", ".join(f"{position:.4g} m" for position in leg.line.corners)
         return (
-            f"{name}: its line has corners (at {positions} along it); only rounded ones can be "
-            "meshed: give arcs, or use a CAD part"
+            f"{name}: the centre line has corners (at {positions} along it); only rounded corners "
+            "can be meshed: give arcs, or use a CAD part"
         )
     steps = [
         first[0]
@@ -72,8 +72,8 @@ def why_no_loft(leg: LineLeg) -> str:
     ]
     if steps:
         return (
-            f"{name}: its section jumps at {', '.join(f'{step:.4g} m' for step in steps)}; only a "
-            "continuous one can be meshed: give a short taper, or use a CAD part"
+            f"{name}: the section jumps at {', '.join(f'{step:.4g} m' for step in steps)}; only a "
+            "continuous section can be meshed: give a short taper, or use a CAD part"
         )
     free = [
         section

@@ -143,7 +143,7 @@ def _modes_below(body: VibratingBody, cutoff: float, seed: int) -> Modes | None:
         if limit < _LARGEST_SUBSPACE:
             return None
         raise ComputationError(
-            f"{body.state}: its modes below the cut-off of {cutoff:g} Hz were not "
+            f"{body.state}: the modes of the body below the cut-off of {cutoff:g} Hz were not "
             f"found in {limit} Lanczos vectors; a lower cut-off is needed"
         ) from error
     return Modes(np.sqrt(ritz.values) / (2.0 * np.pi), ritz.vectors)

@@ -141,7 +141,7 @@ def _names(responses: Sequence[str]) -> str:
         (
             *(quantity.name for quantity in response_quantities(responses)),
             " ".join(AXES),
-            f"f1 to f{MOST_MODES} or an entry of a leg's 6×6 like leg1.c22",
+            f"f1 to f{MOST_MODES} or an entry of a leg's 6×6 compliance like leg1.c22",
         )
     )
     return names if responses else f"{names} (responses need [[responses]])"

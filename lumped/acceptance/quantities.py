@@ -99,7 +99,7 @@ _TEXTS = {
     _KIND.COMPONENT: _Texts("m", *_BY_FORCE),
     _KIND.ANGLE: _Texts("rad", *_BY_MOMENT),
     # The unit depends on row and column.
-    _KIND.COMPLIANCE: _Texts("", "{key}", "{key}", "{entry} of the 6×6 of {leg}"),
+    _KIND.COMPLIANCE: _Texts("", "{key}", "{key}", "{entry} of the 6×6 compliance of {leg}"),
     _KIND.TEST_SIZE: _Texts(
         *("m/N", f"response:{TEST_RESPONSE}.{{key}}", "response at {key}", "response at {key}")
     ),

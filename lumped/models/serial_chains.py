@@ -177,7 +177,7 @@ def _paths(
     if end == base:
         raise ComputationError(
             f"{mechanism.name}, virtual joints: only rigid bodies and fixed joints connect the "
-            "tool to the ground, so its stiffness is infinite"
+            "tool to the ground, so that the stiffness of the tool is infinite"
         )
     steps = _without_dead_ends(_steps(mechanism, legs, groups), {base, end})
     series = _series(steps, end, base)

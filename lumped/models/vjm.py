@@ -101,7 +101,7 @@ def _bordered_solution(chain: Chain, name: str) -> _Bordered:
         wrenches = vectors[:6, rigid].T * unit
         raise RigidChainError(
             f"{name} is rigid against {name_wrenches(wrenches, length)}: neither a spring nor a "
-            "passive joint yields to it, so its stiffness is infinite"
+            "passive joint yields there, so that the stiffness is infinite"
         )
     X = solve(bordered, np.eye(6 + count, 6), assume_a="sym")
     K = X[:6]
@@ -152,8 +152,8 @@ def platform_compliance(stiffness: Array, name: str = "platform") -> Array:
     if (free := values <= _FREE * np.abs(values).max()).any():
         motions = name_twists(vectors[:, free].T * unit, length)
         raise ComputationError(
-            f"{name} is free to {motions}: its stiffness there is zero, negative or below "
-            f"{_FREE:g} of the largest"
+            f"{name} is free to {motions}: the stiffness against this motion is zero, negative "
+            f"or below {_FREE:g} of the largest one"
         )
     # Unlike an eigenvalue decomposition, Cholesky's method keeps the accuracy of a graded matrix.
     inverse: Array = cho_solve(cho_factor(K * unit[:, None] * unit), np.eye(6))

@@ -126,7 +126,7 @@ def _line_faults(line: LineEntry, key: str, robot: Mechanism) -> Iterator[str]:
         advice = did_you_mean(line.leg, legs, otherwise=f": {', '.join(legs) or 'none'}")
         yield (
             f"{key}.leg = {shown(line.leg)}: must be a leg of constant section, or with a "
-            f"6×6{advice}"
+            f"6×6 compliance{advice}"
         )
         return
     start, stop = line.from_ or 0.0, leg.length if line.to is None else line.to
@@ -146,7 +146,7 @@ def _pressure_faults(entry: PressureEntry, key: str, robot: Mechanism) -> Iterat
     if name not in parts:
         body = robot.bodies.get(name)
         instead = "wrench" if body is not None and isinstance(body.shape, Rigid) else "lines"
-        reason = "" if body is None else f"; this body has no faces, load it by {instead}"
+        reason = "" if body is None else f"; {shown(name)} has no faces, load the body by {instead}"
         advice = did_you_mean(name, parts, otherwise=f": {', '.join(parts) or 'none'}")
         yield f"{key}.body = {shown(name)}: must be a CAD part (step or mesh){advice}{reason}"
     yield from interface_faults(entry, key)

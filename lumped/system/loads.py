@@ -135,7 +135,7 @@ def _on_ends(posture: Posture, name: str, line: LineLoad, theory: Theory) -> lis
     if not isinstance(body.shape, ConstantLeg | GivenLeg):
         raise InputError(
             f"bodies.{name}: a distributed load needs a leg of constant section, or one that is "
-            "specified by a 6×6"
+            "specified by a 6×6 compliance"
         )
     leg = equivalent_leg(body.shape)
     try:

@@ -99,8 +99,8 @@ def _interface(
     if coupling == "pin" and axis is None:
         kinds = ", ".join(f"{face.number} ({face.kind})" for face in faces)
         raise InputError(
-            f'coupling = "pin" suits a bore alone, and the faces {kinds} form no cylinder; '
-            'take "rigid" or "average"'
+            f'coupling = "pin" is only for a bore, and the selected faces {kinds} form no '
+            'cylinder; take "rigid" or "average"'
         )
     by_default = not specified.coupling
     numbers = tuple(face.number for face in faces)
@@ -131,7 +131,7 @@ def _numbered(faces: Sequence[Face], numbers: tuple[int, ...]) -> list[Face]:
     unknown = [number for number in numbers if number not in by_number]
     if unknown or not numbers:
         reason = f"face {unknown[0]} does not exist" if unknown else "no face is given"
-        raise InputError(f"{reason}; its faces are numbered {min(by_number)} to {max(by_number)}")
+        raise InputError(f"{reason}; the part has faces {min(by_number)} to {max(by_number)}")
     return [by_number[number] for number in sorted(set(numbers))]
 
 
@@ -155,7 +155,9 @@ def _on_cylinder(faces: Sequence[Face], selection: ByCylinder, point: Array | No
     slack = _RADIUS * selection.radius if selection.tolerance is None else selection.tolerance
     round_faces = [face for face in faces if face.kind in ("bore", "boss")]
     if not round_faces:
-        raise InputError("the part has no cylindrical face; choose by number (see flexproof faces)")
+        raise InputError(
+            "the part has no cylindrical face; select a face by its number (see flexproof faces)"
+        )
     fitting = [f for f in round_faces if abs(f.radius - selection.radius) <= slack]
     if not fitting:
         nearest = min(round_faces, key=lambda f: abs(f.radius - selection.radius))
@@ -170,7 +172,8 @@ def _on_cylinder(faces: Sequence[Face], selection: ByCylinder, point: Array | No
         if not fitting:
             along = ", ".join(f"{x:.3g}" for x in candidates[0].direction)
             raise InputError(
-                f"the axis of face {candidates[0].number}, of this radius, runs along ({along})"
+                f"the axis of face {candidates[0].number}, of radius {selection.radius:g} m, runs "
+                f"along ({along})"
             )
     through = np.array(selection.point) if selection.point is not None else point
     if through is not None:
@@ -189,8 +192,8 @@ def _on_cylinder(faces: Sequence[Face], selection: ByCylinder, point: Array | No
     if not all(_coaxial(f, fitting[0]) for f in fitting):
         numbers = ", ".join(str(f.number) for f in fitting)
         raise InputError(
-            f"faces {numbers} are cylinders of this radius on different axes; give "
-            "point = [x, y, z]"
+            f"faces {numbers} are cylinders of radius {selection.radius:g} m on different axes; "
+            "give point = [x, y, z]"
         )
     return fitting
 
@@ -211,8 +214,8 @@ def _in_plane(faces: Sequence[Face], selection: ByPlane, point: Array | None) ->
     if not selected:
         nearest = min(candidates, key=lambda f: abs(height[f.number]))
         raise InputError(
-            f"no plane with this normal passes through {_point_text(through)}; the nearest is face "
-            f"{nearest.number}, {1e3 * abs(height[nearest.number]):.4g} mm off"
+            f"no plane of normal {_point_text(normal)} passes through {_point_text(through)}; the "
+            f"nearest is face {nearest.number}, {1e3 * abs(height[nearest.number]):.4g} mm off"
         )
     return selected
 

@@ -186,7 +186,7 @@ def _limited_gradings(
         return within_limits(_SECONDS, _find_gradings, part, interfaces, unknowns, sides)
     except Crashed as crash:
         raise InputError(
-            f"{part.path}: gmsh fails to mesh it ({crash}); choose another number of unknowns"
+            f"{part.path}: gmsh fails to mesh the part ({crash}); choose another number of unknowns"
         ) from crash
 
 
@@ -306,8 +306,8 @@ def _require_filled(mesh: PartMesh, part: PartFile) -> None:
     allowed = between + part.exact.error + (part.unknown_share + ROUNDING) * volume
     if not abs(filled - volume) <= allowed:
         raise InputError(
-            f"{part.path}: its faces enclose {1e6 * volume:.6g} cm³, tetrahedra between them fill "
-            f"{1e6 * filled:.6g} cm³, and the mesh accounts for a difference of "
+            f"{part.path}: the faces of the part enclose {1e6 * volume:.6g} cm³, tetrahedra "
+            f"between them fill {1e6 * filled:.6g} cm³, and the mesh accounts for a difference of "
             f"{1e6 * allowed:.2g} cm³: a face points the wrong way or has a wrong boundary; "
             "export the part again from the CAD system"
         )

@@ -16,7 +16,7 @@ from validation.references.responses import Model
 from validation.verdicts import Adequacy
 
 _DECIDED_BY: Mapping[str, str] = {
-    Source.DIGITS: "specify the 6×6 in the robot file with more digits",
+    Source.DIGITS: "specify the 6×6 compliance in the robot file with more digits",
     Source.LINEARITY: SAY_LINEAR,
     Source.PAIRING: "mode shapes of nearly equal frequency mix, so that their pairing is ambiguous",
 }

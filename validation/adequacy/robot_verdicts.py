@@ -259,7 +259,7 @@ def leg_subject(context: Context, name: str, shape: Leg) -> Subject:
     subject = static_subject(leg, _without_modes(judged_models_of(leg, recipes).values()))
     if subject.statics.model is None:
         return subject
-    title = "specified 6×6 of the leg" if leg.given else "solid leg with clamped root"
+    title = "specified 6×6 compliance of the leg" if leg.given else "solid leg with clamped root"
     return replace(subject, statics=replace(subject.statics, title=title))
 
 

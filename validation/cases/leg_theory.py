@@ -153,8 +153,8 @@ def _divisions(
         context.preset, lambda preset: bool(divisions_within(leg, limits[preset]))
     )
     raise Skip(
-        f"two {meshes} of this section have more than {largest_unknowns} unknowns, too "
-        f"many for preset {context.preset}; {fitting_preset} allows them"
+        f"two {meshes} of the section of {leg.name or 'the leg'} have more than {largest_unknowns} unknowns, "
+        f"too many for preset {context.preset}; {fitting_preset} allows them"
     )
 
 
@@ -379,7 +379,7 @@ def why_no_beam(leg: ConstantLeg, mode: CantileverFrequency) -> str:
     heights_per_wave = 2.0 * np.pi / _wave_number(leg, mode.order) / depth
     if heights_per_wave < SHORTEST_WAVE:
         return (
-            f"its wavelength is {heights_per_wave:.1f} section heights; beam theory is "
+            f"the wavelength of the mode is {heights_per_wave:.1f} section heights; beam theory is "
             f"not valid below {SHORTEST_WAVE:g}"
         )
     waves = _waves(leg, WAVE_DIVISIONS)[mode.kind]

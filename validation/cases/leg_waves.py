@@ -144,8 +144,8 @@ class _LegInPieces:
             if self.elements % pieces == 0 and pieces >= needed:
                 return pieces
         raise ComputationError(
-            "waves of 3-D elasticity: the wavelength is shorter than a beam element; this "
-            "mode has no correction"
+            "waves of 3-D elasticity: the wavelength of the mode is shorter than a beam element, "
+            "so that its frequency is not corrected"
         )
 
     def sections(self, pieces: int) -> IntArray:

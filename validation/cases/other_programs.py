@@ -119,7 +119,7 @@ def _reduced_and_calculix(context: Context) -> tuple[tuple[Array, Array], tuple[
     if any(isinstance(leg, LineLeg) for leg in legs):
         raise Skip("legs along a line are not available in the comparison with CalculiX")
     if not legs or not all(isinstance(leg, ConstantLeg) for leg in legs):
-        raise Skip("legs specified by a 6×6 have no section that could be meshed")
+        raise Skip("legs specified by a 6×6 compliance have no section that could be meshed")
     if not all(equivalent_leg(leg).section.is_uniform for leg in legs):
         raise Skip(
             "legs of composites or laminates cannot be modelled in CalculiX as bars of one material"
@@ -138,7 +138,8 @@ def _reduced_and_calculix(context: Context) -> tuple[tuple[Array, Array], tuple[
     "mechanism.calculix.statics",
     "Robot with legs as solid bars: 6×6 compliance equals that of CalculiX",
     quantity=(
-        "entry of the 6×6 with the largest difference, in units of √(c_ii c_jj), at the first pose"
+        "entry of the 6×6 compliance with the largest difference, in units of √(c_ii c_jj), at "
+        "the first pose"
     ),
     unit="1",
     tolerance=Absolute(5e-6),

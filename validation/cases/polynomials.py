@@ -183,8 +183,8 @@ def _static(context: Context, model: str, entry: str) -> Measurement:
             *(float(values[worst, index]) for values in other_degrees),
         ),
         decides=(
-            "round-off in double precision is this large if stiffnesses differ widely or "
-            "legs are nearly aligned; a finer model does not reduce it"
+            "round-off in double precision has a large half-width if stiffnesses differ widely "
+            "or legs are nearly aligned; a finer model does not reduce round-off"
         ),
         pose=tuple(postures[worst].pose.tolist()),
     )

@@ -175,7 +175,7 @@ def _elastic_and_idle(system: _System) -> tuple[Array, Array]:
 
 
 def _system(posture: Posture, legs: Mapping[str, RitzLeg], *, simplified: bool = False) -> _System:
-    """Matrices of a mechanism in a basis of motions that satisfy the constraints of all joints.
+    """Stiffness and mass of a mechanism, for motions that satisfy the constraints of all joints.
 
     `legs`: polynomials of legs by name; other bodies are rigid. If `simplified`, only drives are
     elastic.
@@ -330,8 +330,8 @@ def _require_closed(posture: Posture) -> None:
     for joint in posture.mechanism.joints:
         if (gap := max(_joint_gaps(posture, joint))) > _CLOSED:
             raise ComputationError(
-                f"joint {joint.name}: its two sides are {gap:.2g} apart (relative to the robot's "
-                "size, or rad); they must coincide"
+                f"joint {joint.name}: the two sides of the joint are {gap:.2g} apart (relative "
+                "to the robot's size, or rad); they must coincide"
             )
 
 

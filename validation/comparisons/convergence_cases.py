@@ -71,7 +71,7 @@ def _study(robot_file: RobotFile, body: str) -> ConvergenceStudy | str:
             return study
         without_shear = convergence(robot_file, body=body, theory="euler-bernoulli")
     except (NoBeamTheoryError, NotPrismaticError) as error:
-        return f"no beam elements for this leg: {error}"
+        return f"no beam elements for {body or 'the robot'}: {error}"
     return replace(study, series=(*study.series, *without_shear.series))
 
 

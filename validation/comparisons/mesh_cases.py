@@ -83,8 +83,8 @@ def _order(context: Context, body: str, name: str, ends: Ends) -> Measurement:
     if len(divisions) < GRIDS_FOR_ORDER:
         meshes = counted(len(divisions), "mesh", "meshes")
         raise Skip(
-            f"preset {context.preset} allows {meshes} of this section; an order of "
-            f"convergence needs {GRIDS_FOR_ORDER}"
+            f"preset {context.preset} allows {meshes} of the section of {body}; an "
+            f"order of convergence needs {GRIDS_FOR_ORDER} meshes"
         )
     entry, meaning, unit = ENTRIES[name]
     convergence = refinement.at(*entry)

@@ -127,7 +127,7 @@ def _bound(context: Context, body: str, limits: AgreementLimits) -> Measurement:
     try:
         unjudged_values = [*_stepped(part, limits, solid), *unjudged_values]
     except InputError as error:
-        notes.append(f"no stepped form of this part: {error}")
+        notes.append(f"no stepped form of the part: {error}")
     return Measurement(
         float(value),
         float(reference),

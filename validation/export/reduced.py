@@ -50,9 +50,9 @@ class Reduced:
 
     `ports`: matrices by name from q to twists (6×n) or to displacements of drives (1×n). `points`
     (3, m): points of the twists. `about`: text on the axes and on the end conditions of the
-    `frequencies` (k, Hz, ascending). These are too high by at most `bounds` (k, Hz). `counted`: for
-    each body, the number of modes with all interfaces fixed and the frequency (Hz) below which all
-    of them are kept.
+    `frequencies` (k, Hz, ascending). The frequencies are too high by at most `bounds` (k, Hz).
+    `counted`: for each body, the number of modes with all interfaces fixed and the frequency (Hz)
+    below which all of them are kept.
     """
 
     name: str
@@ -84,7 +84,11 @@ def reduced_body(mechanism: Mechanism, name: str, highest: float) -> Reduced:
     """
     solids = dict(_solids(mechanism, highest, only=name))
     if name not in solids:
-        kind = "a rigid body" if name not in legs_of(mechanism) else "a leg specified by its 6×6"
+        kind = (
+            "a rigid body"
+            if name not in legs_of(mechanism)
+            else "a leg specified by its 6×6 compliance"
+        )
         raise InputError(f"--body {name}: is {kind}; must be a leg with a section, or a CAD part")
     model, truncated, count = solids[name]
     stiffness, mass = dense(model.stiffness), dense(model.mass)
@@ -154,7 +158,9 @@ def reduced_robot(posture: Posture, count: int) -> ReducedRobot:
     # Drive ports are zero for the inner unknowns of bodies.
     inner_zeros = np.zeros((1, system.size - system.outer))
     pose = shown_pose(mechanism, posture.pose) or "the reference posture"
-    masses = ", legs specified by a 6×6 with their mass along them" if six_by_six_legs else ""
+    masses = (
+        ", legs specified by a 6×6 compliance with their mass along them" if six_by_six_legs else ""
+    )
     matrices = Reduced(
         name=mechanism.name,
         about=(

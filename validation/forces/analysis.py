@@ -176,7 +176,7 @@ def _under_load(mechanism: Mechanism, result: LoadForces, widths: Array) -> Forc
     )
     stresses = {}
     without = {
-        name: "its centre line is bent; section forces are computed for straight legs only"
+        name: "the leg is bent; section forces are computed for straight legs only"
         for name, leg in legs_of(mechanism).items()
         if is_bent(leg)
     }
@@ -186,7 +186,7 @@ def _under_load(mechanism: Mechanism, result: LoadForces, widths: Array) -> Forc
         stress = None
         if not reason and isinstance(shape, ConstantLeg | LineLeg):
             stress = member_stress(shape, member)
-            reason = "" if stress else "its forces are statically indeterminate"
+            reason = "" if stress else "the section forces are statically indeterminate"
         if stress is None:
             without[member.leg] = reason
         else:
@@ -197,7 +197,7 @@ def _under_load(mechanism: Mechanism, result: LoadForces, widths: Array) -> Forc
 def _force_model(model: ModelName, options: ModelOptions) -> Model:
     """Model whose forces depend on two fields of a `Reading`: `elements` and `part_mesh`.
 
-    These are a factor on the element count and the mesh level of CAD parts.
+    `elements` is a factor on the element count, `part_mesh` the mesh level of CAD parts.
     """
     return Model(
         model,

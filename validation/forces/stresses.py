@@ -35,7 +35,7 @@ _SMOOTH, _STEEP = 2.0, 1.0
 # Search between two stations, in fractions of their distance: point at which the stress must rise
 # for the search to start, and tolerance of the point found. Stresses are off by its square.
 _PROBE, _TOLERANCE = 0.01, 1e-3
-_WITHOUT_MESH = "its section has no mesh of one material"
+_WITHOUT_MESH = "the section of the leg has no mesh of one material"
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,7 +63,7 @@ class MemberStress:
 def reason_without_stress(shape: Shape) -> str:
     """Reason why no stresses are computed for a leg. "" if stresses are computed."""
     if not isinstance(shape, ConstantLeg | LineLeg):
-        return "its section is not known"
+        return "the section of the leg is not known"
     sections = [shape.section] if isinstance(shape, ConstantLeg) else [s for _, s in shape.stations]
     uniform = all(section.has_outline and section.is_uniform for section in sections)
     return "" if uniform else _WITHOUT_MESH

@@ -60,11 +60,11 @@ def _offset_text(file: PartFile, interface: Interface) -> str:
     if interface.axis is not None and interface.on_axis is not None:
         offset = interface.point - interface.on_axis
         radial_offset = offset - interface.axis * (interface.axis @ offset)
-        return f"its axis {_millimetres(radial_offset)} from the point"
+        return f"axis {_millimetres(radial_offset)} from the point"
     areas = np.array([file.face(number).area for number in interface.faces])
     centres = np.array([file.face(number).centre for number in interface.faces])
     offset = areas @ centres / areas.sum() - interface.point
-    return f"its centre {_millimetres(offset)} from the point"
+    return f"centre {_millimetres(offset)} from the point"
 
 
 def _millimetres(arm: Array) -> str:

@@ -72,8 +72,8 @@ def stepped_entry(body: Body, pieces: int = PIECES) -> CacheEntry[SteppedLeg]:
         begin, end = float(extents[0].max()), float(extents[1].min())
         if begin >= end:
             raise NotPrismaticError(
-                f"bodies.{body.name}: its interfaces overlap along the line between them, "
-                "so that no prismatic pieces fit in between; use --parts condensed"
+                f"bodies.{body.name}: the interfaces of the part overlap along the line "
+                "between them, so that no prismatic pieces fit in between; use --parts condensed"
             )
         try:
             return _pieces_and_masses(mesh, positions, (begin, end), pieces, material)
@@ -180,7 +180,7 @@ def _require_prisms(positions: Array, facets: Facets, line: Array) -> None:
             piece, *further_slices = slices_of(positions, facets, middle, axes)
             if further_slices:
                 raise NotPrismaticError(
-                    f"its cross-section {middle[0]:.4g} m from the first interface "
+                    f"the cross-section {middle[0]:.4g} m from the first interface "
                     f"consists of {1 + len(further_slices)} separate areas, so that it is "
                     "not a prism there; use --parts condensed"
                 )
@@ -202,7 +202,7 @@ def _require_prisms(positions: Array, facets: Facets, line: Array) -> None:
         for factors, word in ((weaker, "smaller"), (stronger * middles[k], "larger")):
             if factors.max() > _LARGEST_RATIO:
                 raise NotPrismaticError(
-                    f"its cross-section {cuts[k][1]:.4g} m from the first interface is "
+                    f"the cross-section {cuts[k][1]:.4g} m from the first interface is "
                     f"not prismatic: its {_MEASURES[factors.argmax()]} is "
                     f"{factors.max():.3g} times {word} than that of cross-sections within "
                     f"{0.5 * sizes[k]:.3g} m on both sides; use --parts condensed"

@@ -166,8 +166,8 @@ def toml(identified: Identified) -> str:
     if len(identified.interfaces) != 2:
         number = counted(len(identified.interfaces), "interface")
         return (
-            f"# {name} has {number}, but a leg specified by a 6×6 has two. Enter the CAD "
-            "file in the robot file (step = …), or use the values of --json or --out."
+            f"# {name} has {number}, but a leg specified by a 6×6 compliance has two. Enter the "
+            "CAD file in the robot file (step = …), or use the values of --json or --out."
         )
     first, second = identified.interfaces
     axes = leg_frame(first.point, second.point).rotation

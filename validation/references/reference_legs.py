@@ -70,7 +70,8 @@ def solid_leg(context: Context, leg: SectionedLeg) -> TwoMeshes:
 
     Raises InputError if the section has no outline, if even the coarsest section mesh exceeds the
     limit of unknowns, or if the preset does not allow the fine solid of a leg of varying section.
-    In the last two cases the message names the larger preset that allows the meshes.
+    If the limit or the preset is the reason, the message names the larger preset that allows the
+    meshes.
     """
     if shapeless := why_shapeless([leg]):
         raise InputError(shapeless)
@@ -88,7 +89,7 @@ def solid_leg(context: Context, leg: SectionedLeg) -> TwoMeshes:
         larger = larger_preset(
             context.meshes, lambda preset: has_meshes(leg, most_unknowns(preset, leg))
         )
-        raise InputError(f"{error}; {larger} allows it") from error
+        raise InputError(f"{error}; {larger} allows this mesh") from error
 
 
 def finer_statics(context: Context, legs: Iterable[Leg]) -> str:
@@ -132,9 +133,9 @@ def line_divisions(preset: Preset, leg: LineLeg) -> tuple[int, int]:
     """Divisions across the section of the coarse and the fine mesh of a leg of varying section.
 
     The doubling method (`fem.bodies.doubling`), which needs equal slices along the leg, cannot be
-    used for such a leg. Polygons that are not divided into blocks, and walls thinner than about
-    1/30 of the section, have the same section mesh for one to four divisions. For these, the
-    divisions of the fine mesh are increased from those of the preset until its section mesh
+    used for a leg of varying section. Polygons that are not divided into blocks, and walls thinner
+    than about 1/30 of the section, have the same section mesh for one to four divisions. For these,
+    the divisions of the fine mesh are increased from those of the preset until its section mesh
     differs, and the coarse mesh has half as many, rounded up. The ratio of divisions is then at
     most that of element sizes, so that half-widths do not become too small.
     """
@@ -200,7 +201,8 @@ def solid_tip(context: Context, leg: Leg, ends: Ends, *, mesh: Literal[0, 1] = 1
 def straight_spring(leg: Leg) -> Array:
     """6×6 tip compliance (SI, leg axes) reduced to the entries that a straight prismatic leg has.
 
-    These are the diagonal and the couplings of deflection and rotation in both bending planes.
+    The entries are the diagonal and the couplings of deflection and rotation in both bending
+    planes.
     """
     tip = given_compliance(leg)
     mask = np.eye(6)
@@ -254,7 +256,7 @@ def restrained_spring(context: Context, leg: Leg, ends: Ends) -> Array:
 def computed_elements(
     leg: Leg, ends: Ends | None, elements: int, divisions: int = SECTION_DIVISIONS
 ) -> LegMatrices:
-    """Matrices of a leg's beam elements with computed section constants.
+    """Stiffness and mass of a leg of beam elements with computed section constants.
 
     If `ends` is None, warping is free. Otherwise, warping of a prism is an additional degree of
     freedom, which is fixed at rigid ends. Legs of varying section are always free to warp.

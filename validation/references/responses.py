@@ -242,5 +242,7 @@ def _required(model: Model, solution: H | Unsolved | None) -> H:
     if isinstance(solution, Unsolved):
         raise ComputationError(solution.reason)
     if solution is None:
-        raise ComputationError(f"{model.name}: this quantity is not defined for the model")
+        raise ComputationError(
+            f"the model {model.name} does not define the requested statics or modes"
+        )
     return solution

@@ -133,7 +133,7 @@ class RobotOnPath:
     `printed`: each 6×6 compliance of the robot file with half a unit of the last digit of its
     entries. Empty if digits are not a source of uncertainty. `path`: postures in which bodies are
     reduced: their cut-off frequency follows from the highest frequency in these postures. Empty if
-    these are `postures`.
+    the cut-off frequencies follow from `postures`.
     """
 
     context: Context
@@ -169,7 +169,7 @@ class RobotOnPath:
     def prisms(self) -> list[SectionedLeg]:
         """Legs with a constant or varying cross-section, which are solids in the reference.
 
-        These are all legs except those specified by their 6×6 compliance only.
+        All legs are included except those specified by their 6×6 compliance only.
         """
         return [leg for leg in self.legs.values() if not isinstance(leg, GivenLeg)]
 
@@ -199,7 +199,9 @@ class RobotOnPath:
             return self.interior_instruction
         schema = self.context.robot_file.schema
         listed = ", ".join(f"{keys} in {_tables(names, schema)}" for keys, names in lacking.items())
-        return f"specify the mass distribution of the legs in addition to the 6×6: {listed}"
+        return (
+            f"specify the mass distribution of the legs in addition to the 6×6 compliance: {listed}"
+        )
 
     @property
     def interior_instruction(self) -> str:
@@ -208,7 +210,11 @@ class RobotOnPath:
         "" if there are no such legs.
         """
         tables = _tables(self.given, self.context.robot_file.schema)
-        return f"specify the section or the solid instead of the 6×6 in {tables}" if tables else ""
+        return (
+            f"specify the section or the solid instead of the 6×6 compliance in {tables}"
+            if tables
+            else ""
+        )
 
     @property
     def first_reading(self) -> Reading:
@@ -352,7 +358,7 @@ def distinct_legs(mechanism: Mechanism) -> tuple[str, ...]:
 def prismatic_legs(mechanism: Mechanism) -> tuple[str, ...]:
     """Body names of the distinct legs that are prisms or can be replaced by equivalent prisms.
 
-    These are all distinct legs except tapered, stepped and curved ones.
+    All distinct legs are listed except tapered, stepped and curved ones.
     """
     legs = legs_of(mechanism)
     return tuple(name for name in distinct_legs(mechanism) if not isinstance(legs[name], LineLeg))

@@ -78,13 +78,13 @@ def _reference_title(robot: RobotOnPath) -> str:
     names = ", ".join(robot.given)
     if robot.mechanism.parts:
         solid = " and solid legs" if robot.prisms else ""
-        legs_text = f", {names} by their specified 6×6" if names else ""
+        legs_text = f", {names} by their specified 6×6 compliance" if names else ""
         return f"robot assembled from solid parts{solid}{legs_text}"
     if not robot.legs:
         return "robot assembled from rigid bodies"
     if not robot.prisms:
         return "robot assembled from legs with the specified 6×6 matrices"
-    legs_text = f" and {names} by their specified 6×6" if names else ""
+    legs_text = f" and {names} by their specified 6×6 compliance" if names else ""
     return f"robot assembled from solid legs{legs_text}"
 
 
@@ -120,13 +120,13 @@ STATIC_STEPS: Mapping[str, StepTexts] = {
     ),
     # Steps from the equivalent prism to the 6×6 from which it was made, then steps of CAD parts.
     "diagonal": StepTexts(
-        "equivalent leg, whose diagonal of the compliance differs from the 6×6",
-        "{by}the straight leg's entries of the 6×6",
+        "equivalent leg, whose diagonal of the compliance differs from the 6×6 compliance",
+        "{by}the straight leg's entries of the 6×6 compliance",
     ),
     "couplings": StepTexts(
-        "equivalent leg, which lacks couplings of the 6×6",
-        "{by}the specified 6×6",
-        use("{static_model}", " with the specified 6×6: --legs given", "--legs"),
+        "equivalent leg, which lacks couplings of the 6×6 compliance",
+        "{by}the specified 6×6 compliance",
+        use("{static_model}", " with the specified 6×6 compliance: --legs given", "--legs"),
     ),
     **PART_STEPS,
     # Last steps: from textbook section constants to solids with rigid end faces.

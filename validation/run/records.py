@@ -192,7 +192,7 @@ def parse_run(content: bytes | str, source: str) -> RunRecord:
     if run.schema != 1:
         raise InputError(f"{source}: schema = {run.schema}: only schema 1 is understood")
     if len(run.by_id) < len(run.cases):
-        raise InputError(f"{source}: not a {_FILE} of flexproof: two of its cases have the same id")
+        raise InputError(f"{source}: not a {_FILE} of flexproof: two cases in it have the same id")
     return run
 
 

@@ -66,9 +66,9 @@ def _answer_lines(answer: Answer, model: ModelName) -> list[str]:
         lines += _pressure_lines(answer)
         bending = "rigid legs" if model == "simplified" else "legs bending as beams"
         lines.append(
-            f"  stability under these loads, {bending} between their ends:"
+            f"  stability under the loads of the robot file, {bending} between their ends:"
             if answer.stability
-            else "  stability under these loads is not computed: a leg is bent"
+            else "  stability under the loads of the robot file is not computed: a leg is bent"
         )
         lines += [
             f"    {name}: {_stability_text(stability)}"
@@ -109,7 +109,9 @@ def _answer_lines(answer: Answer, model: ModelName) -> list[str]:
     if answer.of_parts is not None:
         lines += _part_lines(answer, answer.of_parts)
     if (digits := answer.of_digits) is not None:
-        lines.append("  uncertainty due to rounding of the 6×6 in the robot file (95 %):")
+        lines.append(
+            "  uncertainty due to rounding of the 6×6 compliance in the robot file (95 %):"
+        )
         lines += _share_lines(answer, digits)
     return lines
 

@@ -198,7 +198,7 @@ class Question:
         if not self.mechanism.parts:
             ignored |= dict.fromkeys(_OF_PARTS, "no body of the robot is a part from a file")
             if not any(known_by_matrix):
-                reason = "no leg of this answer is specified by a 6×6"
+                reason = "no leg of this answer is specified by a 6×6 compliance"
                 ignored |= dict.fromkeys(_OF_GIVEN_LEGS, reason)
             elif self.model in STATIC and self.options.legs == "given":
                 reason = f"model {self.model} uses the legs as specified"
@@ -219,13 +219,13 @@ class Question:
             )
         if self.against in STATIC:
             faults.append(
-                f"--against {self.against}: this model is static and has no modes; choose a "
+                f"--against {self.against}: the model is static and has no modes; choose a "
                 "model with masses"
             )
         elif self.against and (not self.count or self.alone is not None):
             faults.append(
-                "--against: this answer has no modes of the robot that could be paired; "
-                "leave it out"
+                "--against: without modes of the whole robot there is nothing to pair; leave the "
+                "option out"
             )
         return faults
 

@@ -36,8 +36,8 @@ _cases = CaseGroup(
     group="vary.{number}",
     figure="vary.{number}.decision",
     reference_kind="finer-model",
-    citation="the same robots by their reference (solid legs, 6×6 of the file, CAD parts), at the "
-    "values of --vary only",
+    citation="the same robots by their reference (solid legs, 6×6 compliance of the file, CAD "
+    "parts), at the values of --vary only",
     effort=0.1,
 )
 

@@ -285,12 +285,12 @@ class CudssOrdering:
         free = int(_USABLE * cupy.cuda.runtime.memGetInfo()[0])
         if self.device_bytes > free:
             raise DeviceError(
-                f"{self._size} unknowns need about {self.device_bytes / 1e9:.1f} GB of its memory "
-                f"and {free / 1e9:.1f} GB are free"
+                f"{self._size} unknowns need about {self.device_bytes / 1e9:.1f} GB of the card's "
+                f"memory and {free / 1e9:.1f} GB are free"
             )
 
     def _signs(self) -> tuple[int, int]:
-        """Numbers of negative entries of D and of replaced pivots."""
+        """Numbers of negative entries of D in the factors LDLᵀ, and of replaced pivots."""
         from nvmath.bindings import cudss  # noqa: PLC0415
 
         inertia, replaced = np.zeros(2, dtype=np.int32), np.zeros(1, dtype=np.int32)

@@ -149,7 +149,7 @@ def indeterminacy(result: Mobility, size: float, *, singular: bool = False) -> s
         if len(result.unprescribed_twists)
         else f"drives {', '.join(result.stirring)} are free to move"
     )
-    return f"with these held {free_motions}; must prescribe every free motion"
+    return f"with these moves fixed {free_motions}; must prescribe every free motion"
 
 
 def null_space(matrix: Array) -> Array:

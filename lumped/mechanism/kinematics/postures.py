@@ -126,8 +126,9 @@ def _verified_placement(closure: Closure, frames: Mapping[str, Frame], pose: Arr
     deviation = np.abs(closure.residual_at(placement, pose)).max()
     if not deviation <= CLOSED * closure.size:
         raise ComputationError(
-            f"{closure.mechanism.name}, pose {shown_pose(closure.mechanism, pose)}: its inverse "
-            f"kinematics leaves the joints open or misses the pose by {deviation:.2g} m"
+            f"{closure.mechanism.name}, pose {shown_pose(closure.mechanism, pose)}: the inverse "
+            "kinematics of the mechanism leaves the joints open or misses the pose by "
+            f"{deviation:.2g} m"
         )
     return placement
 
@@ -254,7 +255,7 @@ def _out_of_reach(closure: Closure, placement: Placement, pose: Array, progress:
             "this amount: give points and directions with all their digits"
         )
     if progress == 0.0 and result.barred:
-        return f"{reason}; its joints do not let the tool move along {', '.join(result.barred)}"
+        return f"{reason}; the joints do not let the tool move along {', '.join(result.barred)}"
     return reason
 
 

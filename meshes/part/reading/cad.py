@@ -151,7 +151,7 @@ def _import(gmsh: ModuleType, path: Path, unit: str) -> None:
             str(path), highestDimOnly=False, format="step" if step else "brep"
         )
     except Exception as error:
-        raise InputError(f"{path}: OpenCASCADE cannot read it: {error}") from error
+        raise InputError(f"{path}: OpenCASCADE cannot read the file: {error}") from error
 
 
 def _box(gmsh: ModuleType, solid: int) -> Array:
@@ -312,14 +312,14 @@ def _require_sound(model: CadModel, path: Path, position: Array) -> None:
     if volume < 0.0:
         raise InputError(
             f"{path}: the faces of the solid point inwards (volume {volume:.3g} m³); "
-            "export it again from the CAD system"
+            "export the part again from the CAD system"
         )
     if (share := model.unknown_share) > _TORN:
         x, y, z = position
         raise InputError(
-            f"{path}: its faces, edges and corners are up to {model.gap:.2g} m apart where they "
-            f"should meet, near ({x:.4g}, {y:.4g}, {z:.4g}) m, which leaves {share:.2g} of its "
-            "volume open; export it again from the CAD system"
+            f"{path}: the faces, edges and corners of the solid are up to {model.gap:.2g} m apart "
+            f"where they should meet, near ({x:.4g}, {y:.4g}, {z:.4g}) m, which leaves "
+            f"{share:.2g} of the volume open; export the part again from the CAD system"
         )
     for _, tag in gmsh.model.getEntities(1):
         length = gmsh.model.occ.getMass(1, tag)

@@ -359,7 +359,8 @@ def _present(members: Members, numbers: dict[int, Any]) -> list[int]:
 def _row(deck: _Deck, scope: _Scope, node: int) -> int:
     if node not in scope.nodes:
         raise InputError(
-            f"{deck.path}: cannot be read as a mesh: it refers to {node}, which it does not contain"
+            f"{deck.path}: cannot be read as a mesh: the file refers to node {node}, which it "
+            "does not contain"
         )
     return scope.nodes[node]
 

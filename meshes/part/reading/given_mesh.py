@@ -60,18 +60,18 @@ def read_mesh(path: Path, unit: str | None = None) -> tuple[PartMesh, str]:
     size = inflated_size(path.read_bytes()) if path.suffix.lower() == ".vtu" else 0
     if size > LARGEST:
         raise InputError(
-            f"{source}: its compressed arrays unpack to {size / 1e6:.6g} MB; must be at "
-            f"most {LARGEST / 1e6:g} MB"
+            f"{source}: the compressed arrays of the file unpack to {size / 1e6:.6g} MB; must be "
+            f"at most {LARGEST / 1e6:g} MB"
         )
     with inflating(size):
         raw = _raw(path)
     element, blocks = _solid_cells(raw, source)
     points = np.asarray(raw.points, dtype=float)
     if points.ndim != 2 or points.shape[1] != 3 or not np.isfinite(points).all():
-        raise InputError(f"{source}: its nodes must have three finite coordinates each")
+        raise InputError(f"{source}: the nodes of the mesh must have three finite coordinates each")
     cells = np.concatenate([raw.cells[block].data for block in blocks]).astype(np.int64)
     if cells.size == 0 or cells.min() < 0 or cells.max() >= len(points):
-        raise InputError(f"{source}: its elements use nodes that the file does not have")
+        raise InputError(f"{source}: elements of the mesh use nodes that the file does not have")
     kind = ELEMENTS[element]
     order = np.argsort(kind.vtk_order)
     used_nodes, numbers = np.unique(cells, return_inverse=True)
@@ -103,9 +103,9 @@ def _raw(path: Path) -> Any:
     # meshio raises any exception of its parser.
     except Exception as error:
         text = " ".join(str(error).split())
-        reason = f"it is damaged, cut off or not in the format of {name}"
+        reason = f"the file is damaged, cut off or not in the format of {name}"
         if isinstance(error, KeyError):
-            reason = f"it refers to {error.args[0]}, which it does not contain"
+            reason = f"the file refers to {error.args[0]}, which it does not contain"
         elif word := _NO_NUMBER.search(text):
             reason = f"{word.group(1)} is no number"
         # The text of other errors, if any, refers to the parser.

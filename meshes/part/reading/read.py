@@ -123,8 +123,8 @@ def read_part(path: Path, unit: str | None = None) -> PartFile:
                 raise error from None
     except ComputationError as error:
         raise InputError(
-            f"{path}: its reader fails ({error}): the file is damaged, or much too large; "
-            "export it again"
+            f"{path}: the reader of the file fails ({error}): the file is damaged, or much too "
+            "large; export it again"
         ) from error
 
 

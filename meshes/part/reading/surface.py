@@ -70,8 +70,8 @@ def triangulate(
     empty_faces = [tag for tag, cells in triangles.items() if not len(cells)]
     if empty_faces:
         raise NotMeshedError(
-            f"{path}: face {empty_faces[0]} cannot be meshed: it has no area or no outline; repair "
-            "it in the CAD system"
+            f"{path}: face {empty_faces[0]} cannot be meshed: the face has no area or no outline; "
+            "repair it in the CAD system"
         )
     return triangles
 

@@ -58,8 +58,8 @@ def step_unit(content: bytes, source: str) -> str:
     if len(units) > 1:
         unit_names = " and ".join(sorted(units))
         raise InputError(
-            f"{source}: its shapes have different units of length, {unit_names}; export "
-            "them in one unit"
+            f"{source}: the shapes in the file have different units of length, {unit_names}; "
+            "export them in one unit"
         )
     return units.pop()
 
@@ -68,8 +68,8 @@ def _contexts(by_number: dict[str, str]) -> Iterable[str]:
     """Texts with the lists of units that apply to the shapes in a STEP file.
 
     `by_number` contains the entities of the file. A STEP file has a list of units in each context
-    (of shapes, views, notes). The contexts of solids are used. If there are none, those of other
-    shapes are used. If there are none of these either, all contexts are used.
+    (of shapes, views, notes). The contexts of solids are used. If no solid has a context, the
+    contexts of other shapes are used. If no shape has a context, all contexts are used.
     """
     for shape in _SHAPES:
         contexts = [
@@ -98,7 +98,7 @@ def _unit_of(entity: str, by_number: dict[str, str], source: str) -> str:
             return name
     size_text = f" of {metres:.6g} m" if metres else ""
     raise InputError(
-        f"{source}: its unit of length{size_text} is not known here; use {', '.join(METRES)}"
+        f"{source}: the file's unit of length{size_text} is not supported; use {', '.join(METRES)}"
     )
 
 

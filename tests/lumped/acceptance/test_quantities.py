@@ -132,6 +132,6 @@ def test_quantities_have_labels_and_meanings():
     assert words["any_force"] == ("any force", "displacement under any force")
     assert words["f3"] == ("f3", "natural frequency 3")
     assert words["response:mill.frequency"][1] == "frequency of the peak of the response mill"
-    assert measured_quantity("rod1.c22").meaning == "c22 of the 6×6 of rod1"
+    assert measured_quantity("rod1.c22").meaning == "c22 of the 6×6 compliance of rod1"
     assert (size_at_mode(2).label, size_at_mode(2).name) == ("response at f2", "response:hammer.f2")
     assert SIZE_FAR_BELOW.label == "response at low frequency"

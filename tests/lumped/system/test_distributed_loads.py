@@ -179,8 +179,8 @@ def test_base_axes_load_keeps_direction():
 
 FAULTS = {
     "leg = 'arms', wrench = [0, 1, 0, 0, 0, 0]": (
-        'loads[1].lines[1].leg = "arms": must be a leg of constant section, or with a 6×6; did you '
-        'mean "arm"?'
+        'loads[1].lines[1].leg = "arms": must be a leg of constant section, or with a 6×6 '
+        'compliance; did you mean "arm"?'
     ),
     "leg = 'arm', wrench = [0, 1, 0]": (
         "loads[1].lines[1].wrench = [0, 1, 0]: must be 6 numbers in N/m or N m/m"

@@ -259,10 +259,10 @@ END, BORE = ByPlane((1.0, 0.0, 0.0), (0.2, 0.0, 0.0)), ByCylinder(0.008)
 @pytest.mark.parametrize(
     ("selection", "message"),
     [
-        (ByFaces((99,)), "face 99 does not exist; its faces are numbered 1 to 8"),
+        (ByFaces((99,)), "face 99 does not exist; the part has faces 1 to 8"),
         (ByFaces(()), "no face is given"),
         (ByCylinder(0.009), "no cylinder of radius 0.009 m; the nearest is face"),
-        (ByCylinder(0.008, axis=(1.0, 0.0, 0.0)), "of this radius, runs along"),
+        (ByCylinder(0.008, axis=(1.0, 0.0, 0.0)), "of radius 0.008 m, runs along"),
         (ByCylinder(0.008, axis=(0.0, 0.0, 0.0)), "must not be zero"),
         (BORE, "its axis passes 10 mm from (0.03, 0, 0); check the position of the part"),
         (ByPlane((1.0, 1.0, 0.0), (0.0, 0.0, 0.0)), "no plane face has"),
@@ -289,7 +289,7 @@ def test_wrong_selection_names_nearest_face(lug, selection, message):
             {"A": (BORE, None), "C": (ByPlane((0.0, 0.0, 1.0), (0.0, 0.0, 0.015)), None)},
             "A and C share the edge between their faces",
         ),
-        ({"A": (END, "pin")}, "suits a bore alone"),
+        ({"A": (END, "pin")}, "is only for a bore"),
         ({}, "no interface is given"),
     ],
 )

@@ -78,7 +78,7 @@ CAST = {
     "leg1": ConstantLeg(0.7885, ISection(0.1637, 0.2304, flange=0.0136, web=0.0137), IRON),
     "leg2": ConstantLeg(0.8048, ISection(0.1085, 0.0589, flange=0.0048, web=0.0074), IRON),
 }
-SECTION = "specify the section or the solid instead of the 6×6 in [leg1], [leg2]"
+SECTION = "specify the section or the solid instead of the 6×6 compliance in [leg1], [leg2]"
 
 
 @dataclass(frozen=True, eq=False)

@@ -58,7 +58,7 @@ def test_equivalent_prisms_of_6x6_legs_are_inadequate(paper, quantity):
         assert entry.verdict == "inadequate"
         assert (
             entry.causes[0].cause
-            == "equivalent leg, whose diagonal of the compliance differs from the 6×6"
+            == "equivalent leg, whose diagonal of the compliance differs from the 6×6 compliance"
         )
         assert 0.8 < entry.causes[0].share < 1.1
         assert sum(cause.share for cause in entry.causes) == pytest.approx(1.0, abs=0.02)
@@ -128,8 +128,10 @@ def test_undecided_entry_names_deciding_data(paper_subject):
     matrix = verdict_matrix(paper_subject, requirement)
     first, y = matrix.entry("beam", "f1"), matrix.entry("vjm", "y")
     assert (first.verdict, y.verdict) == ("undecided", "undecided")
-    assert first.reason.startswith("specify the section or the solid instead of the 6×6 in [leg1]")
-    assert y.reason == "specify the 6×6 in the robot file with more digits"
+    assert first.reason.startswith(
+        "specify the section or the solid instead of the 6×6 compliance in [leg1]"
+    )
+    assert y.reason == "specify the 6×6 compliance in the robot file with more digits"
 
 
 def test_peaks_have_twice_digit_error_of_frequencies(tmp_path):
@@ -181,8 +183,8 @@ def test_omitted_coupling_is_inadequate():
         assert x.verdict == "inadequate"
         assert x.error == pytest.approx(0.148, abs=0.003)
         assert abs(x.along) < 0.002
-        assert x.causes[0].cause == "equivalent leg, which lacks couplings of the 6×6"
-        assert x.remedy == "use vjm with the specified 6×6: --legs given"
+        assert x.causes[0].cause == "equivalent leg, which lacks couplings of the 6×6 compliance"
+        assert x.remedy == "use vjm with the specified 6×6 compliance: --legs given"
         assert abs(x.error_with_remedy) < 1e-6
     assert matrix.verdict("vjm") == "adequate"
 
@@ -324,7 +326,7 @@ def test_rounding_bound_of_solve_covers_draws(printed, draws, model, options, co
     digits = plain_data(answer_record(answer))["digits"]
     assert digits["compliance"] == stated[:6].tolist()
     text = as_text(Solution(printed.mechanism.name, model, {}, (answer,)))
-    assert "uncertainty due to rounding of the 6×6 in the robot file (95 %):" in text
+    assert "uncertainty due to rounding of the 6×6 compliance in the robot file (95 %):" in text
 
 
 @pytest.mark.parametrize("key", ["leg1.compliance[1,1]", "foot.compliance[6,6]"])

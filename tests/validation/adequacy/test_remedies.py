@@ -280,7 +280,7 @@ def test_finer_reference_remedy_is_option_of_run(remedy_text):
         ((), ("inertia",), "inertia in [leg2]"),
         (("mass_centre", "inertia"), ("inertia",), "mass_centre and inertia in [leg1], inertia in"),
         # The built-in robot says both of both legs, and was told to do so.
-        ((), (), "the section or the solid instead of the 6×6 in [leg1], [leg2]"),
+        ((), (), "the section or the solid instead of the 6×6 compliance in [leg1], [leg2]"),
     ],
 )
 def test_mass_remedy_names_missing_keys(leg1, leg2, remedy_text):

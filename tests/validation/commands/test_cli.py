@@ -110,7 +110,10 @@ def test_audit_of_robot_is_printed(command):
         (["export", "five-bar", "--to", "npz", "--body", "no"], "must be one of"),
         (["export", "five-bar", "--to", "npz", "--out", "five-bar.toml"], "must end in .npz"),
         (["export", "five-bar", "--to", "npz", "--modes", "0"], "must be from 1 to"),
-        (["export", "ifw", "--to", "npz", "--body", "leg1"], "is a leg specified by its 6×6"),
+        (
+            ["export", "ifw", "--to", "npz", "--body", "leg1"],
+            "is a leg specified by its 6×6 compliance",
+        ),
         (["kinematics", "five-bar", "--pose=0.7,0.9"], "y = 0.9 m: cannot be reached: joint"),
         (["kinematics", "five-bar", "--pose=1e300,0"], "must be 2 finite numbers up to 100 m or"),
     ],

@@ -162,7 +162,7 @@ def test_exudyn_refuses_tapered_legs():
     robot = boom()
     tables = dict(robot.tables)
     bodies = {"boom": {**tables["bodies"]["boom"], "sections": steps}}
-    with pytest.raises(InputError, match="its section jumps at"):
+    with pytest.raises(InputError, match="the section jumps at"):
         api.solve(robot_of({**tables, "bodies": bodies}), "solid", divisions=1)
 
 

@@ -135,7 +135,7 @@ def test_undetermined_force_is_a_dash(tmp_path, command):
     load = record["results"][0]["loads"]["push"]
     assert load["reactions"]["motor1"][0] is None
     assert load["drives"]["motor1"] is not None
-    assert load["without_stress"]["rod1"] == "its forces are statically indeterminate"
+    assert load["without_stress"]["rod1"] == "the section forces are statically indeterminate"
     output = command.output("forces", str(robot), "--model", "simplified", "--load", "push")
     assert "–: statically indeterminate" in output
 

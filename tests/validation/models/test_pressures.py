@@ -226,6 +226,4 @@ def test_pressure_on_missing_face_names_its_key(block):
         with pytest.raises(InputError) as error:
             compute(replace(block.mechanism, loads=loads))
         (fault,) = error.value.faults
-        assert fault == (
-            "loads[3].pressures[1]: face 7 does not exist; its faces are numbered 1 to 6"
-        )
+        assert fault == ("loads[3].pressures[1]: face 7 does not exist; the part has faces 1 to 6")

@@ -80,7 +80,9 @@ def test_part_without_pieces_has_reason(tmp_path):
     mechanism = load_robot(tmp_path / "robot.toml").mechanism
     part_posture = posture(mechanism, mechanism.poses[0])
     why = why_unable((part_posture,), JUDGED["segments-stepped"])
-    assert why.startswith("bodies.arm: its interfaces overlap along the line between them")
+    assert why.startswith(
+        "bodies.arm: the interfaces of the part overlap along the line between them"
+    )
     assert why_unable((part_posture,), JUDGED["segments-condensed"]) == ""
     assert part_kinds(mechanism) == ("condensed",)
 
@@ -151,7 +153,7 @@ def test_section_varying_along_part_is_refused(tmp_path, draw, why):
     with pytest.raises(InputError, match=why) as error:
         stepped(body_of(meshed(tmp_path / "part.msh", draw, 20.0, 12.0), 0.4))
     (line,) = error.value.faults
-    assert line.startswith("bodies.arm: its cross-section 0.")
+    assert line.startswith("bodies.arm: the cross-section 0.")
 
 
 @pytest.mark.parametrize(("draw", "remaining"), PRISMS.values(), ids=PRISMS)
@@ -296,7 +298,7 @@ def test_check_command_opens_part_files(command):
     assert "rocker: rocker.step, read in mm: 343 × 263 × 60 mm" in output
     for point, radius in (("A", 22), ("B", 16), ("C", 16)):
         (line,) = (row for row in output.splitlines() if row.startswith(f"  {point}: face"))
-        assert f"(bore of radius {radius} mm), its axis 0 mm from the point" in line
+        assert f"(bore of radius {radius} mm), axis 0 mm from the point" in line
         assert line.endswith("rigid by default")
 
 

@@ -151,4 +151,4 @@ def test_crashing_cad_file_gives_one_error_line(tmp_path, capfd, coarse_parts, c
     assert cli.main([word.format(part=part, robot=robot) for word in command]) == 2
     out, err = capfd.readouterr()
     assert out == ""
-    assert f"{part}: its reader fails" in only_message(err)
+    assert f"{part}: the reader of the file fails" in only_message(err)

@@ -155,7 +155,7 @@ def test_worse_verdict_exits_with_1(tmp_path, saved, command):
         ('{"cases": [], "run": ' + "[" * 100_000, "not a results.json"),
         ('{"schema": 2, "cases": []}', "only schema 1"),
         ('{"cases": [], "run": {"\udcf0": 1}}', "not a results.json"),
-        (json.dumps({"cases": [CASE, CASE]}), "two of its cases have the same id"),
+        (json.dumps({"cases": [CASE, CASE]}), "two cases in it have the same id"),
         (json.dumps({"cases": [CASE | {"value": 1e300}]}), "a number exceeds 1e+150"),
     ],
 )

@@ -429,7 +429,7 @@ def test_simplified_with_rigid_drives_is_rigid(tmp_path, command, driven):
     assert load["displacement"] == [0.0] * 6
     assert load["buckling"]["factor"] is load["buckling"]["reversed"] is None
     output = command.output(*words, "--modes", "0")
-    assert "stability under these loads, rigid legs between their ends" in output
+    assert "stability under the loads of the robot file, rigid legs between their ends" in output
     assert "cutting: does not buckle; no loss of stiffness" in output
     assert "legs bending as beams" in command.output(*words[:3], "beam", "--modes", "0")
 

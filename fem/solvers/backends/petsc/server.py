@@ -4,8 +4,8 @@ It imports nothing of this project, only numpy and petsc4py of the Python that r
 if there are several hosts. It is started as `server.py FOLDER HOSTS`, once for each MPI rank. On
 one host, each rank reads commands, one JSON object per line, from the pipe `commands-RANK` in the
 folder. Arrays are numpy files in the same folder. On several hosts, only rank 0 reads the pipe and
-the files, and the others receive from it. Rank 0 writes the answers to standard output, one JSON
-object per line.
+the files, and the other ranks receive from it. Rank 0 writes the answers to standard output, one
+JSON object per line.
 """
 
 import ctypes
@@ -498,7 +498,7 @@ def _petsc() -> Any:
     from petsc4py import PETSc  # noqa: PLC0415
 
     if PETSc.ScalarType is not np.float64 or not PETSc.Sys.hasExternalPackage("mumps"):
-        raise ImportError("its PETSc has complex numbers, or no MUMPS")
+        raise ImportError("the PETSc of this Python has complex numbers, or no MUMPS")
     return PETSc
 
 

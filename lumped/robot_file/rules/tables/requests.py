@@ -86,7 +86,7 @@ _NODE = Text(r"[1-9][0-9]{0,8}", "a number of up to nine digits")
 class LineEntry:
     """Distributed load along a leg, part of a load case."""
 
-    leg: Annotated[str, Value(BODY_NAME, "leg of constant section, or with a 6×6")]
+    leg: Annotated[str, Value(BODY_NAME, "leg of constant section, or with a 6×6 compliance")]
     wrench: Annotated[Wrench, Value(_PER_LENGTH, "forces and moments per length at `from`")]
     end_wrench: Annotated[
         Wrench | None,

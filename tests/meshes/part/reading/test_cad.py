@@ -246,7 +246,9 @@ def test_step_length_unit_is_used(tmp_path, edit, unit, length):
 def test_step_unit_foot_is_refused(tmp_path):
     path = written(tmp_path / "bar.step", lambda occ: occ.addBox(0, 0, 0, 10, 2, 3))
     path.write_text(converted("FOOT", "304.8")(path.read_text()))
-    assert "its unit of length of 0.3048 m is not known here; use m, cm, mm, inch" in refused(path)
+    assert "the file's unit of length of 0.3048 m is not supported; use m, cm, mm, inch" in refused(
+        path
+    )
 
 
 def refused(path, unit=None) -> str:
@@ -384,7 +386,7 @@ def test_changed_step_text_is_refused(tmp_path, box_step):
     for changed, message in (
         (
             text.replace(MILLIMETRE, "SI_UNIT(.PICO.,.METRE.)"),
-            "unit of length of 1e-12 m is not known here",
+            "unit of length of 1e-12 m is not supported",
         ),
         (numbers.sub(_astronomical, text), "mm is not the size of a robot's part; is its unit ri"),
         (
@@ -518,14 +520,19 @@ DAMAGES = {
         r"the cavity about \(0\.006, 0\.03, 0\.018\) m sticks out of the solid",
     ),
     # The reading process ends without an answer.
-    "wrong class": ("leg", "#3413 = VECTOR(", "#3413 = SOLID_ANGLE_UNIT(", "its reader fails"),
+    "wrong class": (
+        "leg",
+        "#3413 = VECTOR(",
+        "#3413 = SOLID_ANGLE_UNIT(",
+        "the reader of the file fails",
+    ),
 }
 
 
 @pytest.mark.parametrize(("name", "old", "new", "message"), DAMAGES.values(), ids=DAMAGES.keys())
 def test_damaged_step_file_is_refused(files, tmp_path, monkeypatch, name, old, new, message):
     """Chosen damages of a STEP file, each with its message."""
-    if message == "its reader fails":
+    if message == "the reader of the file fails":
         monkeypatch.undo()
     text, path = files[name].read_text(), tmp_path / "damaged.step"
     assert text.count(old) == 1

@@ -174,7 +174,7 @@ def test_calculix_runs_legal_deck_forms(tmp_path):
         (PLAIN.replace("2, 1., 0.", "2, x, 0."), 'line 3: "x" is no number'),
         (PLAIN.replace("7, 8", "7"), r"line 11: element 1 has 7 nodes; must have 8 \(type C3D8\)"),
         (PLAIN.replace("7, 8", "7, 8, 8"), "line 11: element 1 has 9 nodes; must have 8"),
-        (PLAIN.replace("7, 8", "7, 9"), "it refers to 9, which it does not contain"),
+        (PLAIN.replace("7, 8", "7, 9"), "the file refers to node 9, which it does not contain"),
         (PLAIN + ELEMENT, "line 15: element 1 is given twice"),
         (PLAIN.replace("C3D8", "C3D27"), 'line 10: elements of the type "C3D27" are not known'),
         (PLAIN.replace(", TYPE=C3D8", ""), "line 10: elements of the type "),

@@ -142,7 +142,7 @@ def test_missing_deck_node_is_refused(tmp_path):
     path = tmp_path / "mesh.inp"
     nodes = "1, 0., 0., 0.\n2, .1, 0., 0.\n3, 0., .1, 0."
     path.write_text(f"*NODE\n{nodes}\n*ELEMENT, TYPE=C3D4\n1, 1, 2, 3, 4\n")
-    with pytest.raises(InputError, match="it refers to 4, which it does not contain"):
+    with pytest.raises(InputError, match="the file refers to node 4, which it does not contain"):
         read_part(path)
     path = mesh_file(tmp_path, CUBE, "hexahedron", HEXAHEDRON, point_sets={"A": np.array([0])})
     with pytest.raises(InputError, match="contains no complete element face"):
@@ -166,7 +166,7 @@ def test_hexahedra_have_six_plane_faces(tmp_path, kind):
 @pytest.mark.parametrize(
     ("name", "text", "message"),
     [
-        ("mesh.msh", "hello", "it is damaged, cut off or not in the format of gmsh"),
+        ("mesh.msh", "hello", "the file is damaged, cut off or not in the format of gmsh"),
         ("mesh.vtu", "<html></html>", "the format of vtu: Expected tag 'VTKFile', found html"),
     ],
 )
