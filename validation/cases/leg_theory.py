@@ -153,8 +153,9 @@ def _divisions(
         context.preset, lambda preset: bool(divisions_within(leg, limits[preset]))
     )
     raise Skip(
-        f"two {meshes} of the section of {leg.name or 'the leg'} have more than {largest_unknowns} unknowns, "
-        f"too many for preset {context.preset}; {fitting_preset} allows them"
+        f"two {meshes} of the section of {leg.name or 'the leg'} have more than "
+        f"{largest_unknowns} unknowns, too many for preset {context.preset}; "
+        f"{fitting_preset} allows them"
     )
 
 

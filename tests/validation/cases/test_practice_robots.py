@@ -47,7 +47,9 @@ def test_thin_leaf_is_skipped_by_wave_cases(monkeypatch):
     context = Context(load_robot(ROBOTS / "leaf-stage.toml"), "quick")
     cases = {case.id: case for case in leg_theory.cases(legs=("leaf1",))}
     for mode in range(1, leg_theory.MODES + 1):
-        with pytest.raises(Skip, match="two solid meshes of this section have more than 9000"):
+        with pytest.raises(
+            Skip, match="two solid meshes of the section of leaf1 have more than 9000"
+        ):
             cases[f"leaf1.frequency.solid[{mode}]"].measure(context)
 
 
