@@ -348,7 +348,9 @@ def test_failing_card_gives_one_warning(leg, card, monkeypatch, call, error, mes
 def test_full_card_memory_gives_warning(leg, card):
     """A matrix that needs more than the card's free memory is factorised on the host."""
     card.free = 1_000_000
-    with pytest.warns(SolverFallbackWarning, match=r"unknowns need about 0\.0 GB of its memory"):
+    with pytest.warns(
+        SolverFallbackWarning, match=r"unknowns need about 0\.0 GB of the card's memory"
+    ):
         body = clamped_leg(leg)
     assert body.space is HOST
     assert "FACTORIZATION" not in card.calls

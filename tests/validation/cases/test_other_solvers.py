@@ -236,7 +236,7 @@ def test_exudyn_refusal_names_bodies():
     with pytest.raises(InputError) as raised:
         multibody.require_beams(load_robot("ifw").mechanism)
     message = "\n".join(raised.value.faults)
-    assert "leg1: the EXUDYN comparison needs a section; this body is a leg specified by" in message
+    assert "leg1: the EXUDYN comparison needs a section; leg1 is a leg specified by" in message
     assert "body without mass" in message
     assert "does not support joints with a compliance" in message
 

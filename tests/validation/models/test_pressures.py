@@ -163,12 +163,12 @@ FAULTS = {
         'body = "blocks": must be a CAD part (step or mesh); did you mean "block"?'
     ),
     'body = "rod", pressure = 1.0, faces = [1]': (
-        'body = "rod": must be a CAD part (step or mesh): block; this body has no faces, load it '
+        'body = "rod": must be a CAD part (step or mesh): block; "rod" has no faces, load the body '
         "by lines"
     ),
     'body = "plate", pressure = 1.0, faces = [1]': (
-        'body = "plate": must be a CAD part (step or mesh): block; this body has no faces, load it '
-        "by wrench"
+        'body = "plate": must be a CAD part (step or mesh): block; "plate" has no faces, load the '
+        "body by wrench"
     ),
     'body = "block", pressure = 1.0': (
         "does not specify faces; must have one of faces, name, cylinder, plane"

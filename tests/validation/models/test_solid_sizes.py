@@ -86,7 +86,8 @@ def test_too_large_export_is_refused_before_run(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("thickness", "message"), [(2e-4, "preset fine allows it$"), (5e-5, "no preset allows it$")]
+    ("thickness", "message"),
+    [(2e-4, "preset fine allows this mesh$"), (5e-5, "no preset allows this mesh$")],
 )
 def test_too_large_leg_names_preset(thickness, message):
     """The message names the preset that allows the solid, or states that none does."""

@@ -508,7 +508,7 @@ DAMAGES = {
         "rocker",
         "#549 = EDGE_CURVE('',#457,#550,#552,.T.)",
         "#549 = EDGE_CURVE('',#457,#550,#552,.F.)",
-        r"edges and corners are up to 0\.076 m apart where they should meet, near \(0\.2",
+        r"corners of the solid are up to 0\.076 m apart where they should meet, near \(0\.2",
     ),
     # A cavity that is not closed would be left out: volume +46 %.
     "lost cavity": ("leg", "#3789 = LINE(", "#3789 = SURFACE_CURVE(", "6 of its 28 faces do not"),
