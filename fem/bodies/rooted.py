@@ -224,8 +224,9 @@ class RootedBody:
             def precondition(forces: Array) -> Array:
                 return np.asarray(self.expanded(factor.precondition(self.equilibrated(forces))))
 
-            stiffness = self.solid.stiffness
-            return preconditioned_modes(stiffness, mass, precondition, count, self.name).frequencies
+            K, solve = self.solid.stiffness, self.flexibility
+            modes = preconditioned_modes(K, mass, precondition, solve, count, self.name)
+            return modes.frequencies
         return searched_modes(self.flexibility, mass, count, self.name, self.space).frequencies
 
     def held_inertia(self, sigma: float) -> Inertia:

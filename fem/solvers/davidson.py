@@ -63,7 +63,8 @@ def davidson(
         corrections = precondition(residuals)
         applications += block.shape[1]
         squares = np.einsum("ij,ij->j", residuals, corrections) / ritz_values
-        errors = np.sqrt(np.maximum(squares, 0.0))
+        # A negative square shows that T is not positive definite. It must not pass for a small one.
+        errors = np.sqrt(np.abs(squares))
         if len(squared) >= count:
             last = np.sort(squared)[count - 1]
             if values[0] > last and errors[0] <= _RESIDUAL_BEYOND:

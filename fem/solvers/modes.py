@@ -28,7 +28,8 @@ _SEED = 1
 # frequency without any assumption. The bound is 5e-10 for a mode whose distance from its neighbours
 # in ω² is 1e-3.
 _RESIDUAL = 1e-6
-# Largest number of multigrid cycles for each mode. 15 to 30 are usual.
+# Largest number of multigrid cycles for each mode. 15 to 30 are usual. Nearly incompressible
+# parts and slender legs can need thousands.
 _CYCLES = 300
 # Largest number of searches for missing modes, each from different random vectors.
 _SEARCHES = 4
@@ -153,23 +154,26 @@ def searched_modes(
 
 
 def preconditioned_modes(
-    K: SparseMatrix, M: SparseMatrix, precondition: Solve, mode_count: int, part: str
+    K: SparseMatrix,
+    M: SparseMatrix,
+    precondition: Solve,
+    solve: Solve,
+    mode_count: int,
+    part: str,
 ) -> Modes:
     """The lowest `mode_count` modes from K, M (csr n×n) and a preconditioner, without a count.
 
     `precondition` is an approximation of K⁻¹ on blocks (n×k), see `fem.solvers.davidson`. K and M
-    are positive definite on its results. Shapes have unit modal mass. Raises ComputationError, with
+    are positive definite on its results. If it is too inaccurate for a search, the modes are those
+    of `searched_modes` with `solve`. Shapes have unit modal mass. Raises ComputationError, with
     `part` in its message, if modes do not converge or there are fewer.
     """
     start = precondition(M @ _random_block(M.shape[0], np.random.default_rng(_SEED)))
+    limit = _CYCLES * mode_count
     try:
-        values, shapes = davidson(K, M, precondition, start, mode_count, _CYCLES * mode_count)
-    except StagnationError as error:
-        raise ComputationError(
-            f"{error.converged} of {counted(mode_count, 'mode')} converged in "
-            f"{_CYCLES * mode_count} multigrid cycles; fewer modes or a finer mesh are needed",
-            part=part,
-        ) from error
+        values, shapes = davidson(K, M, precondition, start, mode_count, limit)
+    except StagnationError:
+        return searched_modes(solve, M, mode_count, part)
     if len(values) < mode_count:
         raise too_few(part, mode_count)
     return Modes(np.sqrt(values) / (2.0 * np.pi), fix_signs(shapes))

@@ -186,6 +186,19 @@ def test_uncounted_modes_need_few_cycles(monkeypatch):
     assert sum(cycles) < 200
 
 
+@pytest.mark.usefixtures("gamg")
+@pytest.mark.parametrize("gamg", ["1"], indirect=True)
+def test_uncounted_modes_beyond_cycles_are_solved(monkeypatch):
+    """A leg that needs more cycles than are allowed is solved, not refused."""
+    leg = hexahedral_leg()
+    monkeypatch.setattr("fem.solvers.modes._CYCLES", 8)
+    frequencies = clamped_leg(leg).uncounted_frequencies(1)
+    monkeypatch.setenv(VARIABLE, "rslab")
+    expected = clamped_leg(leg).modes(1).frequencies
+    # The tolerance of the contract in test_backends.py.
+    np.testing.assert_allclose(frequencies, expected, rtol=1e-9)
+
+
 def test_modes_by_gamg_are_counted_by_a_factor(gamg, monkeypatch):
     """Frequencies and their count equal those by rslab."""
     assert gamg
