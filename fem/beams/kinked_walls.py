@@ -38,16 +38,18 @@ def kink_compliances(leg: LineLeg) -> Array:
     if not leg.line.is_straight:
         return bounds
     for before, after in pairwise(leg.spans):
-        tube = after.first
-        sections = before.first, before.last, tube, after.last
-        if not all(isinstance(section, HollowRectangle) for section in sections):
+        tubes = before.first, before.last, after.first, after.last
+        if not all(isinstance(section, HollowRectangle) for section in tubes):
             return np.zeros(6)
         rates = [
             np.subtract(span.last.extent, span.first.extent) / (span.end - span.start)
             for span in (before, after)
         ]
         jumps = 0.5 * np.abs(rates[1] - rates[0])
-        bounds += _at_kink(leg, after.start, tube, np.where(jumps > _STRAIGHT, jumps, 0.0))
+        angles = np.where(jumps > _STRAIGHT, jumps, 0.0)
+        # At a step of the thickness, the walls of one side alone could bear the load.
+        sides = [_at_kink(leg, after.start, tube, angles) for tube in (before.last, after.first)]
+        bounds += np.maximum(*sides)
     return bounds
 
 

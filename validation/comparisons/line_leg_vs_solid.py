@@ -7,7 +7,7 @@ condition of the robot file. Four causes of a difference are computed separately
 - distortion of the section, because walls converge in torsion (`fem.beams.box_distortion`) and in
   vibration (`line_distortion`);
 - bending of walls at kinks, where tapers begin or end (`fem.beams.kinked_walls`): only an upper
-  bound is known, so that the difference of solid and beam is explained up to this bound;
+  bound is known, so that half of it is the cause, and half of it a half-width;
 - section constants by textbook formulas along the line.
 
 The remainder is the difference between the solid with free ends and a beam with section constants
@@ -72,7 +72,7 @@ _HELD_SOURCE = "the same solid with ends free to warp and contract"
 _WALLS_SOURCE = "walls that converge push against each other (fem.beams.box_distortion)"
 _WAVES_SOURCE = "waves of 3-D elasticity in prisms of the leg's sections at its frequency"
 _KINKED_WALLS = "walls bent at kinks"
-_KINKS_SOURCE = "plates under deflected normal forces, an upper bound (fem.beams.kinked_walls)"
+_KINKS_SOURCE = "half the upper bound of plates under deflected forces (fem.beams.kinked_walls)"
 # Index of torsion in the tip compliance.
 _TORSION = 3
 _NEGLECTED = (
@@ -150,16 +150,16 @@ def _motion(
     )
     walls = [context.get(_wall_distortion, leg, n) for n in divisions]
     coarse_walls, fine_walls = walls if entry == _TORSION else (0.0, 0.0)
-    # Only an upper bound is known of what kinks add to the compliance.
-    softer = float(meshes.fine["free"][diagonal] - computed)
-    kinks = min(max(softer, 0.0), float(kink_compliances(leg)[entry]))
+    # What kinks add to the compliance lies between zero and an upper bound.
+    kinks = 0.5 * float(kink_compliances(leg)[entry])
     return Measurement(
         float(leg_compliance(model, leg, _options(limits))[diagonal]),
         float(fine),
         reference_uncertainty=float(
             mesh_half_widths([np.abs(np.array(fine - coarse))], slowest(meshes.ratio))
         ),
-        judged_uncertainty=_free_half_width(
+        judged_uncertainty=kinks
+        + _free_half_width(
             leg,
             meshes.coarse["free"][diagonal] - on_coarse - coarse_walls,
             meshes.fine["free"][diagonal] - computed - fine_walls,

@@ -38,6 +38,18 @@ def test_tapers_without_kinks_add_nothing():
     assert not kink_compliances(tube((0.0, ROOT), (0.3, middle), (0.6, TIP))).any()
 
 
+def test_kink_at_step_is_bounded_by_thinner_wall():
+    """The bound is the same whether the wall is thicker before the kink or behind it."""
+    thick = HollowRectangle(0.1, 0.08, 0.008)
+    kinked = tube((0.0, ROOT), (0.3, ROOT), (0.6, TIP))
+    stepped = tube((0.0, thick), (0.3, thick), (0.3, ROOT), (0.6, TIP))
+    reverse = tube(
+        (0.0, ROOT), (0.3, ROOT), (0.3, thick), (0.6, HollowRectangle(0.1, 0.056, 0.008))
+    )
+    tension = [kink_compliances(leg)[0] for leg in (kinked, stepped, reverse)]
+    assert tension == pytest.approx([tension[0]] * 3, rel=1e-12)
+
+
 def test_solid_with_kinks_is_softer_within_bounds():
     """In tension and in bending about y the solid is 2 % softer than the beam, or more."""
     leg = tube((0.0, ROOT), (0.12, ROOT), (0.24, TIP), (0.36, TIP))

@@ -26,7 +26,7 @@ from validation.comparisons import line_distortion, line_leg_vs_solid
 from validation.comparisons.agreement_cases import DISTORTION
 from validation.comparisons.element_convergence import leg_convergence
 from validation.comparisons.line_distortion import frequency_change
-from validation.comparisons.line_leg_vs_solid import cases, neglected
+from validation.comparisons.line_leg_vs_solid import cases, computed_tip, neglected
 from validation.context import Context
 from validation.models.leg_models import clamped_solid, leg_compliance
 from validation.models.loads.stability import bent_legs, stabilities
@@ -35,7 +35,7 @@ from validation.references import reference_legs
 from validation.references.reference_legs import computed_elements
 from validation.references.robot_on_path import prismatic_legs
 from validation.run.outcome import judge
-from validation.solids.solid_legs import line_frequencies
+from validation.solids.solid_legs import TwoMeshes, line_frequencies
 
 ARM = Path(__file__).parents[3] / "examples" / "tapered-arm" / "robot.toml"
 ROBOT = load_robot(ARM)
@@ -46,8 +46,8 @@ TAPER = [
 ]
 
 
-def boom(**tables):
-    """A straight tapered cantilever along x, 0.8 m long."""
+def boom(sections=TAPER, **tables):
+    """A straight tapered cantilever along x, 0.8 m long unless `tables` contain other points."""
     return robot_of(
         {
             "schema": 2,
@@ -57,7 +57,7 @@ def boom(**tables):
                 "boom": {
                     "from": "A",
                     "to": "B",
-                    "sections": TAPER,
+                    "sections": sections,
                     "material": {"E": 2.1e11, "nu": 0.3, "rho": 7850.0},
                     "ends": "free",
                 }
@@ -85,6 +85,37 @@ def test_beam_of_taper_agrees_with_its_solid():
     assert neglected(leg) == pytest.approx(1.0 / 40.0**2, rel=1e-9)
     assert abs(outcome.measurement.unexplained) < 2e-3 * outcome.measurement.reference
     assert outcome_of(robot, "boom.agrees[segments-solid-f1]").verdict == "agree"
+
+
+def test_bound_for_kinked_walls_is_no_agreement(monkeypatch):
+    """Tension of a tube with walls of 2 mm: kinks add between nothing and 56 % of the beam's.
+
+    A solid 30 % softer than the beam is undecided, one that is 5 % stiffer disagrees.
+    """
+    stations = [(0.0, 80), (1.0 / 3.0, 80), (2.0 / 3.0, 56), (1.0, 56)]
+    sections = [
+        {
+            "at": at,
+            "shape": "hollow-rectangle",
+            "width": 0.1,
+            "height": height * 1e-3,
+            "thickness": 0.002,
+        }
+        for at, height in stations
+    ]
+    robot = boom(points={"A": [0.0, 0.0, 0.0], "B": [0.36, 0.0, 0.0]}, sections=sections)
+    leg = legs_of(robot.mechanism)["boom"]
+    tip = computed_tip(leg, 4)
+    verdicts = {}
+    for factor in (1.3, 0.95):
+        meshes = TwoMeshes({"free": factor * tip}, {"free": factor * tip}, 0.0 * tip, 2.0)
+        monkeypatch.setattr(line_leg_vs_solid, "solid_leg", lambda *_, meshes=meshes: meshes)
+        outcome = outcome_of(robot, "boom.agrees[beam-solid-x]")
+        verdicts[factor] = outcome.verdict
+        # Half of the bound is a half-width: 0.28 of the beam's compliance.
+        half_width = outcome.measurement.judged_uncertainty / tip[0, 0]
+        assert half_width == pytest.approx(0.28, abs=0.02)
+    assert verdicts == {1.3: "undecided", 0.95: "disagree"}
 
 
 def test_equivalent_prism_of_taper_disagrees(monkeypatch):
