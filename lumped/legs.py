@@ -196,11 +196,11 @@ class Span:
         return taper_rates(self._sections, self.end - self.start, shares)
 
     def taper_flexibilities(self, material: Material) -> Array:
-        """Taper rates, and flexibility due to inclined fibres (p×7), at p points of the span.
+        """Taper rates and the flexibilities due to inclined faces, together p×7.
 
-        The points are at the fractions `lumped.tapers.NODES` of the span. The columns are named in
-        `lumped.tapers.TAPER`. All entries are zero if the section is constant or does not have two
-        axes of symmetry.
+        The rows are p points, at the fractions `lumped.tapers.NODES` of the span. The columns are
+        named in `lumped.tapers.TAPER`. All entries are zero if the section is constant or does not
+        have two axes of symmetry.
         """
         if not self.converges:
             return np.zeros((len(NODES), len(TAPER)))

@@ -80,7 +80,8 @@ class BallScrew:
         shortest = float(min(part.min() for part in lengths))
         if shortest < 0.0:
             raise ComputationError(
-                f"the nut is {-1e3 * shortest:.4g} mm beyond its bearing; must be on the shaft"
+                f"the nut is {-1e3 * shortest:.4g} mm beyond a bearing of its shaft; must be "
+                "between the bearing and the shaft's other end"
             )
         shaft = np.sum([1.0 / (part / self.axial + self.bearing) for part in lengths], axis=0)
         return np.asarray(1.0 / (1.0 / shaft + self.nut))

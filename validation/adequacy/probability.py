@@ -311,11 +311,11 @@ def probability(
 def _deciding_inputs(
     error: ErrorOfInputs, verdict: Adequacy, limit: float | Array, keys: Sequence[str]
 ) -> str:
-    """Text on the inputs that must be known better for a verdict: one input, or several.
+    """Text on the inputs that must be known better to reach the verdict `verdict`.
 
-    `limit` is the accepted error, one number or one for each pose. `keys` are the inputs in
-    descending order of their share of the variance. "" if even all inputs together do not decide
-    it.
+    The verdict is undecided as yet. The text names one input, or several. `limit` is the accepted
+    error, one number or one for each pose. `keys` are the inputs in descending order of their share
+    of the variance. "" if even all inputs together do not decide the verdict.
     """
     relative = {slope.key: slope.relative for slope in error.slopes}
     column = 0 if verdict == "adequate" else 1

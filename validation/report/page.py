@@ -52,7 +52,10 @@ class Report:
 
     @cached_property
     def measurements(self) -> FirstScreen | None:
-        """First screen with measured values as references. None if there are no measured values."""
+        """Summary at the top of the page, of the comparison with measured values.
+
+        None if there are no measured values.
+        """
         return self._screen(self.results.measured, measured=True)
 
     def _screen(self, matrix: Matrix | None, *, measured: bool = False) -> FirstScreen | None:

@@ -152,9 +152,11 @@ def frequency_changes(
 
 
 def _pairs(reference: PathModes, other: PathModes) -> tuple[IntArray, BoolArray]:
-    """Index of each reference mode's partner (p×m, −1 without one), and modes that mix (p×m×m).
+    """Index of each reference mode's partner in `other` (p×m), and reference modes that mix.
 
-    Array sizes: p poses, m modes of the reference.
+    The index is −1 if a mode has no partner. The second array (p×m×m) is true for two modes of the
+    reference whose shapes are combined with each other in the modes of `other`. Array sizes: p
+    poses, m modes of the reference.
     """
     poses, modes = reference.frequencies.shape
     indices, mixed = np.full((poses, modes), -1), np.zeros((poses, modes, modes), dtype=bool)

@@ -136,10 +136,11 @@ class DampedRecord(msgspec.Struct, frozen=True):
 
 
 class AnswerRecord(Place, frozen=True, omit_defaults=True, kw_only=True):
-    """JSON object of an `Answer` in "results", with the keys of its pose or body.
+    """JSON object of an `Answer`: an entry of the list "results".
 
-    An infinite frequency is None. `uncertainty` is None if the second mesh, from which it follows,
-    is too large.
+    The keys of `Place` identify the pose or the body, the others are fields of `Answer`. A key with
+    the value UNSET is left out. An infinite frequency is None. `uncertainty` is None if the second
+    mesh, from which it follows, is too large.
     """
 
     compliance: Array | UnsetType = UNSET

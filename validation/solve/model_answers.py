@@ -237,7 +237,10 @@ def _answers(meshed: _Meshed) -> list[Answer]:
 
 
 def _modal_fields(modes: PostureModes) -> dict[str, Any]:
-    """Fields of an answer with strain energies and, if the robot is damped, responses."""
+    """Fields of `Answer`: strain energies and, if the robot is damped, damping and responses.
+
+    Damping are the damping ratios of the modes, responses those to harmonic forces.
+    """
     fields: dict[str, Any] = {"strain": modes.strain}
     count = len(modes.modes.frequencies)
     if count and modes.posture.mechanism.is_damped:

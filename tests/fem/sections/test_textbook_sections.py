@@ -100,7 +100,7 @@ def test_channel_mesh_equals_pilkey(example):
 
 
 def test_channel_formulas_equal_pilkey():
-    """Example B.2 by boundary elements."""
+    """Example B.2 of Pilkey (2002), whose values are by boundary elements."""
     _, nu, centre, flexibilities, torsion, _ = CHANNELS["B.2"]
     assert CHANNEL_B_2.shear_centre == pytest.approx((centre, 0.0), abs=2e-3)
     inverse = 1.0 / np.array(CHANNEL_B_2.shear_coefficients(nu))

@@ -246,14 +246,14 @@ def test_invalid_size_of_screw_is_refused(screw):
 def test_nut_beyond_screw_bearing_is_refused():
     """In a pose, and as pose 1 of the path when the file is read."""
     with pytest.raises(
-        ComputationError, match="the nut is 50 mm beyond its bearing; must be on the shaft"
+        ComputationError, match="the nut is 50 mm beyond a bearing of its shaft; must be between"
     ):
         assemble(posture(slide_mechanism(), np.array([0.05])), {})
     with pytest.raises(InputError) as error:
         slide_mechanism("", SLIDE.replace("from = [0.3]", "from = [0.05]"))
     assert error.value.faults == (
-        "path, pose 1, x = 0.05 m: joints.axis.drive.screw: the nut is 50 mm beyond its bearing; "
-        "must be on the shaft",
+        "path, pose 1, x = 0.05 m: joints.axis.drive.screw: the nut is 50 mm beyond a bearing of "
+        "its shaft; must be between the bearing and the shaft's other end",
     )
 
 

@@ -119,7 +119,10 @@ def test_gantry_deflects_as_clamped_bridge():
 
 
 def test_stage_deflects_as_springs_in_series():
-    """In series: drive, guide along x or y, both guides in tilting (230 and 290 mm below), post."""
+    """Compliances in series: drive or guide along the force, tilting of both guides, post.
+
+    The guides lie 230 and 290 mm below the loaded point.
+    """
     nu, L = 0.3, 0.2
     area = pi / 4.0 * (0.04**2 - 0.028**2)
     second = pi / 64.0 * (0.04**4 - 0.028**4)

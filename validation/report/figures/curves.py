@@ -105,10 +105,10 @@ def deflection_chart(
 def frequency_chart(
     compared: Compared, x: Array, label: str, abscissa: Mapping[str, Column]
 ) -> Chart:
-    """Chart of the first frequencies (p×k, Hz) over x (p), one panel each.
+    """Chart of the first k frequencies of all models over `x` (p), one panel for each frequency.
 
-    `label`: label of the x axis. The columns of `abscissa` are added to the table. Shapes: p poses,
-    k modes.
+    `label`: label of the x axis. The columns of `abscissa` are added to the table of the chart's
+    values. There are p poses.
     """
     count = min(JUDGED_MODES, next(iter(compared.values.values())).shape[1])
     panels = [_panel(compared, x, mode, f"f{mode + 1} (Hz)", 1.0) for mode in range(count)]

@@ -197,8 +197,9 @@ class Server:
     def factorise(self, name: int, values: Array, part: str) -> tuple[int, int]:
         """Factorise a matrix. Return its numbers of negative and of zero eigenvalues.
 
-        `name` is the name of its ordering, `values` are the entries of its triangle, and `part` is
-        its name in messages.
+        `name` is the number of the ordering that `analyse` stored. `values` are the entries of the
+        lower triangle, in the order of the triangle given to `analyse`. `part` is the name of the
+        matrix in messages.
         """
         with self._command(part):
             self._store(f"{name}-values", values)
