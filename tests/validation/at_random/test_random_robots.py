@@ -180,7 +180,7 @@ def test_round_off_gives_undecided_or_message(robot_file, cases, expected):
         else:
             verdicts.add(outcome.verdict)
             # Finer models have rounding as well: nobody is sent to refine them.
-            assert ("a finer model does not reduce it" in outcome.message) is (
+            assert ("a finer model does not reduce round-off" in outcome.message) is (
                 outcome.verdict == "undecided"
             )
     assert verdicts

@@ -192,7 +192,7 @@ def test_part_without_prisms_is_skipped(tmp_path):
     robot = load_robot(tmp_path / "robot.toml")
     skips = list(outcomes_of(robot, "arm"))
     assert {type(skip) for skip in skips} == {Skip}
-    assert all("interfaces overlap" in str(skip) for skip in skips)
+    assert all("interfaces of the part overlap" in str(skip) for skip in skips)
 
 
 def test_figure_shows_every_leg_and_robot():

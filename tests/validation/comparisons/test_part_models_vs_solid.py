@@ -129,5 +129,5 @@ def test_part_without_pieces_is_condensed(tmp_path):
     (outcome,) = outcomes_of(tmp_path / "robot.toml")
     (table,) = agreement_tables([outcome])
     assert [name for name, _ in table.rows] == ["Condensed"]
-    assert "interfaces overlap" in " ".join(table.notes)
+    assert "interfaces of the part overlap" in " ".join(table.notes)
     assert "solid FE: condensed parts up to" in agreement_sentence([outcome])
