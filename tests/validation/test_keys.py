@@ -128,8 +128,9 @@ def test_convergence_key_includes_part_file(tmp_path):
 def test_source_digest_includes_every_file(tmp_path, monkeypatch):
     """A byte, a name, a folder or an additional file each change the digest."""
     monkeypatch.setattr(sources, "__file__", str(tmp_path / "a" / "b" / "sources.py"))
-    packages, kinds = ("lumped", "meshes", "fem", "validation"), ("py", "toml", "j2", "css", "js")
-    files = [tmp_path / name / "x" / f"one.{kind}" for name in packages for kind in kinds]
+    names = [f"{package}/x/one.py" for package in ("lumped", "meshes", "fem", "validation")]
+    names += [f"validation/x/one.{kind}" for kind in ("toml", "j2", "css", "js")]
+    files = [tmp_path / name for name in names]
     for file in files:
         file.parent.mkdir(parents=True, exist_ok=True)
         file.write_text("0")
