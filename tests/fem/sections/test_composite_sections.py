@@ -228,7 +228,7 @@ def test_uniform_section_formula_refuses_composite():
         section_constants(section_mesh(STEPPED, 4), 0.3)
 
 
-@pytest.mark.exhaustive
+@pytest.mark.soak
 def test_composite_equals_sectionproperties():
     """Another finite element code, weighted by E: van Leeuwen, sectionproperties.
 
