@@ -7,13 +7,14 @@ have. The joint is reported only if the mechanism with this axis can move in the
 and near it.
 """
 
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
 from lumped.arrays import Array
-from lumped.mechanism.joint import Joint
+from lumped.mechanism.joint import Joint, JointKind, Side
 from lumped.mechanism.kinematics.closure import Closure, closure_of
 from lumped.mechanism.kinematics.mobility import (
     Mobility,
@@ -23,7 +24,7 @@ from lumped.mechanism.kinematics.mobility import (
     row_space,
 )
 from lumped.mechanism.kinematics.postures import reference_posture
-from lumped.mechanism.mechanism import Mechanism
+from lumped.mechanism.mechanism import GROUND, Mechanism
 
 # Components of unit vectors below this count as zero: axes are typed with four digits.
 _NOTHING = 1e-4
@@ -31,8 +32,10 @@ _NOTHING = 1e-4
 _SMALLEST_ANGLE = 1e-5
 # All joints whose angle is within this factor of the smallest angle are reported.
 _COMPARABLE = 1.5
-# Sine of the angle below which two legs lie in one line.
+# Sine of the angle below which legs lie in one line. Cosine below which they are at right angles.
 _IN_LINE = 1e-3
+# Joints that let a leg turn.
+_ROTATING: frozenset[JointKind] = frozenset({"revolute", "cylindrical", "universal", "spherical"})
 
 
 class OffAxis(NamedTuple):
@@ -120,25 +123,110 @@ def _moves(result: Mobility) -> bool:
     return not (result.barred or result.at_limit)
 
 
-def legs_in_line(mechanism: Mechanism) -> list[tuple[str, str, bool]]:
-    """Pairs of legs in the reference posture that lie in one line at a joint between them.
+class SpecialPosture(NamedTuple):
+    """Names of `legs`, and the `posture` that they have in common: "folded into one line"."""
 
-    A leg is here a body with two points, and the joint must let it rotate. Each entry contains the
-    names of both bodies, and True if the legs are stretched out or False if they are folded.
+    legs: tuple[str, ...]
+    posture: str
+
+
+def special_postures(mechanism: Mechanism) -> list[SpecialPosture]:
+    """Legs in postures that can make the reference posture singular.
+
+    A leg is here a body with two points. If its line passes through the axis of another joint of
+    its neighbour, it is stretched out or folded, and if it is at right angles to a slide of its
+    neighbour, its force cannot drive that slide. The neighbour may be several bodies that fixed
+    joints connect. The ground counts as no neighbour. Legs with the same posture relative to the
+    same joint are one entry.
     """
-    pairs = []
+    rigid = _rigid_groups(mechanism)
+    entries: dict[SpecialPosture, list[str]] = {}
     for joint in mechanism.joints:
-        if joint.kind not in {"revolute", "universal", "spherical"}:
+        for leg_side, side in ((joint.second, joint.first), (joint.first, joint.second)):
+            if joint.kind not in _ROTATING or GROUND in (leg_side.body, rigid[side.body]):
+                continue
+            if _is_leg(mechanism, leg_side.body):
+                for legs, posture in _leg_postures(mechanism, joint, leg_side, side, rigid):
+                    # Two legs that lie in one line with each other are an entry of their own.
+                    key = SpecialPosture(legs if len(legs) == 2 else (), posture)
+                    entries.setdefault(key, []).extend(legs)
+    return [
+        SpecialPosture(tuple(dict.fromkeys(legs)), key.posture) for key, legs in entries.items()
+    ]
+
+
+def _is_leg(mechanism: Mechanism, body: str) -> bool:
+    return len(mechanism.bodies[body].interfaces) == 2
+
+
+def _rigid_groups(mechanism: Mechanism) -> dict[str, str]:
+    """Name of one body of the group that fixed joints connect, for each body.
+
+    It is "ground" for bodies that are fixed to the ground.
+    """
+    representatives = {body: body for body in mechanism.bodies}
+    for joint in mechanism.joints:
+        if joint.kind == "fixed":
+            pair = {representatives[joint.first.body], representatives[joint.second.body]}
+            kept = GROUND if GROUND in pair else min(pair)
+            representatives = {
+                body: kept if name in pair else name for body, name in representatives.items()
+            }
+    return representatives
+
+
+def _leg_postures(
+    mechanism: Mechanism, joint: Joint, leg_side: Side, side: Side, rigid: Mapping[str, str]
+) -> Iterator[SpecialPosture]:
+    """Special postures of one leg with respect to each other joint of its neighbour at `joint`.
+
+    Both are named if the neighbour is a leg between the two joints. `leg_side` and `side` are
+    the sides of `joint` that belong to the leg and to the neighbour. `rigid` contains the
+    representative of each body's rigid group.
+    """
+    start, leg = _position(mechanism, leg_side), leg_side.body
+    (other,) = set(mechanism.bodies[leg].interfaces) - {leg_side.point}
+    along = _position(mechanism, Side(leg, other)) - start
+    along /= np.linalg.norm(along)
+    for pivot in mechanism.joints:
+        pivot_side = next(
+            (end for end in (pivot.first, pivot.second) if rigid[end.body] == rigid[side.body]),
+            None,
+        )
+        if pivot is joint or pivot_side is None or leg in (pivot.first.body, pivot.second.body):
             continue
-        vectors = []
-        for side in (joint.first, joint.second):
-            body = mechanism.bodies[side.body]
-            other_ends = [frame for point, frame in body.interfaces.items() if point != side.point]
-            if len(other_ends) == 1:
-                vector = other_ends[0].position - body.interfaces[side.point].position
-                vectors.append(mechanism.reference[side.body].rotation @ vector)
-        if len(vectors) == 2:
-            first, second = (vector / np.linalg.norm(vector) for vector in vectors)
-            if np.linalg.norm(np.cross(first, second)) < _IN_LINE:
-                pairs.append((joint.first.body, joint.second.body, bool(first @ second < 0.0)))
-    return pairs
+        if pivot.kind == "prismatic" and abs(pivot.axes[0] @ along) < _IN_LINE:
+            yield SpecialPosture((leg,), f"at right angles to the slide of {pivot.name}")
+        elif pivot.kind in _ROTATING:
+            lever = start - _position(mechanism, pivot_side)
+            stretched = _stretched(lever, along, pivot)
+            if stretched is None:
+                continue
+            posture = f"{'stretched out in' if stretched else 'folded into'} one line"
+            if pivot_side.body == side.body and _is_leg(mechanism, side.body):
+                yield SpecialPosture((joint.first.body, joint.second.body), posture)
+            else:
+                yield SpecialPosture((leg,), f"{posture} with the axis of {pivot.name}")
+
+
+def _stretched(lever: Array, along: Array, pivot: Joint) -> bool | None:
+    """True if a leg is stretched out in one line with a joint `pivot`, False if it is folded.
+
+    None if its line does not pass through the axis of the joint. `lever` (3) leads from the joint
+    to the leg's start, `along` (3) is the direction of the leg from there. For joints with several
+    axes the line has to pass through the point of the joint.
+    """
+    if len(pivot.axes) == 1:
+        axis = pivot.axes[0]
+        lever, along = (vector - axis * (axis @ vector) for vector in (lever, along))
+    size = float(np.linalg.norm(lever) * np.linalg.norm(along))
+    if size <= _IN_LINE * float(np.linalg.norm(lever)) or size == 0.0:
+        return None
+    sine = float(np.linalg.norm(np.cross(lever, along))) / size
+    return bool(lever @ along > 0.0) if sine < _IN_LINE else None
+
+
+def _position(mechanism: Mechanism, side: Side) -> Array:
+    """Position (m, base axes) of one side of a joint in the reference posture."""
+    frame = mechanism.reference[side.body]
+    return np.asarray((frame @ mechanism.bodies[side.body].interfaces[side.point]).position)

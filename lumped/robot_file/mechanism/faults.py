@@ -10,7 +10,7 @@ import numpy as np
 
 from lumped.errors import ComputationError, InputError
 from lumped.mechanism.free_twists import drive_in
-from lumped.mechanism.kinematics.diagnosis import legs_in_line, off_axes
+from lumped.mechanism.kinematics.diagnosis import off_axes, special_postures
 from lumped.mechanism.kinematics.mobility import (
     Mobility,
     generic_mobility,
@@ -199,13 +199,13 @@ def _mobility_faults(mechanism: Mechanism, result: Mobility) -> Iterator[str]:
 
 
 def _singular(mechanism: Mechanism, result: Mobility, free_motions: str) -> str:
-    """Error message for a singular reference posture. It names the legs that lie in one line.
+    """Error message for a singular reference posture. It names legs that are stretched or folded.
 
     `free_motions` describes the motions that neither drives nor moves determine.
     """
     reasons = [
-        f"{first} and {second} are {'stretched out in' if stretched else 'folded into'} one line"
-        for first, second, stretched in legs_in_line(mechanism)
+        f"{' and '.join(legs)} {'are' if len(legs) > 1 else 'is'} {posture}"
+        for legs, posture in special_postures(mechanism)
     ]
     if result.at_limit:
         reasons.append(

@@ -11,6 +11,7 @@ from lumped.robot_file import load_robot, robot_of
 
 FIVE_BAR = load_robot("five-bar").tables
 ORTHOGLIDE = load_robot("orthoglide").tables
+MATERIAL = {"E": 2.1e11, "nu": 0.3, "rho": 7850.0}
 # Hinge and wrist of an Orthoglide leg need parallel axes: if they are not parallel, either of the
 # two may be reported as tilted.
 TWINS = {"hinge_x": "wrist_x", "wrist_x": "hinge_x"}
@@ -97,3 +98,65 @@ def test_stretched_legs_are_reported():
     assert (
         "the tool cannot move along x, y; with all drives locked the tool is free to turn" in fault
     )
+
+
+def test_dead_centre_names_no_ground():
+    """A slider-crank at its dead centre: motor and guide lie in one line with crank and rod."""
+    leg = {"section": {"shape": "circle", "diameter": 0.03}, "material": MATERIAL}
+    hinge = {"type": "revolute", "axis": [0.0, 0.0, 1.0]}
+    press = {
+        "schema": 2,
+        "name": "press",
+        "points": {"O": [0.0, 0.0, 0.0], "A": [0.0, 0.06, 0.0], "B": [0.0, 0.31, 0.0]},
+        "bodies": {
+            "crank": {"from": "O", "to": "A", **leg},
+            "rod": {"from": "A", "to": "B", **leg},
+            "ram": {"points": ["B"], "mass": 2.0, "centre": "B"},
+        },
+        "joints": {
+            "motor": hinge
+            | {"between": ["ground", "crank"], "at": "O", "drive": {"stiffness": 5.0e5}},
+            "elbow": hinge | {"between": ["crank", "rod"], "at": "A"},
+            "pin": hinge | {"between": ["rod", "ram"], "at": "B"},
+            "guide": {
+                "type": "prismatic",
+                "between": ["ground", "ram"],
+                "at": "B",
+                "axis": [0.0, 1.0, 0.0],
+            },
+        },
+        "tool": {"body": "ram", "point": "B", "moves": ["y"]},
+    }
+    (fault,) = faults(press)
+    assert fault == (
+        "dictionary: points: the reference posture is singular: crank and rod are stretched out in "
+        "one line; drives motor move while the tool cannot move along y; must be a posture inside "
+        "the workspace"
+    )
+
+
+@pytest.mark.parametrize(("side", "state"), [(1.0, "stretched out in"), (-1.0, "folded into")])
+def test_stretched_delta_leg_is_reported(side, state):
+    """The rods hang from a bar that is clamped to the arm: their lines meet the motor's axis."""
+    points = load_robot("delta").tables["points"]
+    foot, elbow = np.array(points["A1"]), np.array(points["E1"])
+    wrist = 0.5 * (np.array(points["C1l"]) + points["C1r"])
+    along = (wrist - foot) / np.linalg.norm(wrist - foot)
+    stretched = foot + side * np.linalg.norm(elbow - foot) * along
+    moved = {
+        f"E1{end}": stretched + np.array([0.0, y, 0.0])
+        for end, y in (("", 0), ("l", 0.05), ("r", -0.05))
+    }
+    (fault,) = faults(with_points(load_robot("delta").tables, moved))
+    assert f"singular: rod1l and rod1r are {state} one line with the axis of motor1;" in fault
+
+
+def test_rods_across_their_slides_are_reported():
+    """A linear Delta whose rods lie level, at right angles to the vertical screws."""
+    tables = deepcopy(dict(load_robot("linear-delta").tables))
+    tables.pop("path")
+    for name in ("A", "El", "Er"):
+        tables["points"][name]["at"][2] = -400.0
+    (fault,) = faults(tables)
+    for i in (1, 2, 3):
+        assert f"rodl{i} and rodr{i} are at right angles to the slide of screw{i}" in fault
