@@ -49,6 +49,9 @@ SIZES: dict[str, tuple[int, float, float, float, float, float]] = {
 }
 # Young's modulus (Pa) and Poisson's ratio of bearing steel (Harris).
 _E, _NU = 2.075e11, 0.3
+# Contact pressure (Pa) of the static load rating of ball bearings and guides (ISO 76): a permanent
+# deformation of 1e-4 of the diameter of the ball.
+_STATIC_PRESSURE = 4.2e9
 # Largest ratio of the axes of a contact ellipse that is searched: grooves touch at infinity.
 _LONGEST = 1e6
 # Largest contact angle (rad), that of a thrust bearing.
@@ -79,15 +82,31 @@ class BallBearing:
     @property
     def contact_constant(self) -> float:
         """Constant c (N/m^1.5) of Q = c δ^(3/2), with the contacts to both rings in series."""
-        D = self.ball_diameter
-        gamma = D * np.cos(self.angle) / self.pitch_diameter
-        along = 2.0 / D * np.array([gamma / (1.0 - gamma), -gamma / (1.0 + gamma)])
-        across = -1.0 / (D * np.array([self.inner, self.outer]))
-        compliances = [
-            hertz_constant((2.0 / D, 2.0 / D, *raceway)) ** (-2.0 / 3.0)
-            for raceway in zip(along, across, strict=True)
-        ]
+        compliances = [hertz_constant(contact) ** (-2.0 / 3.0) for contact in self._contacts]
         return float(np.sum(compliances) ** -1.5)
+
+    @property
+    def static_load(self) -> float:
+        """Load (N) of one ball at the static load rating, in the more loaded contact."""
+        return min(static_load(curvatures) for curvatures in self._contacts)
+
+    @property
+    def largest_preload(self) -> float:
+        """Axial preload (N) of a row that loads its balls as the static load rating does."""
+        approach = (self.static_load / self.contact_constant) ** (2.0 / 3.0)
+        cosine = self.distance * np.cos(self.angle) / (self.distance + approach)
+        return float(self.balls * self.static_load * np.sqrt(1.0 - cosine**2))
+
+    @property
+    def _contacts(self) -> list[tuple[float, float, float, float]]:
+        """Principal curvatures (1/m) of the contacts with the inner and the outer ring."""
+        D = self.ball_diameter
+        gamma = D * float(np.cos(self.angle)) / self.pitch_diameter
+        along = 2.0 / D * gamma / (1.0 - gamma), -2.0 / D * gamma / (1.0 + gamma)
+        return [
+            (2.0 / D, 2.0 / D, along[0], -1.0 / (self.inner * D)),
+            (2.0 / D, 2.0 / D, along[1], -1.0 / (self.outer * D)),
+        ]
 
     def under_preload(self, preload: float) -> tuple[float, float]:
         """Contact angle (rad) and approach δ (m) of the grooves under an axial `preload` (N)."""
@@ -148,6 +167,19 @@ def hertz_constant(curvatures: Sequence[float]) -> float:
     approach *= (np.pi / (2.0 * ratio**2 * scipy.special.ellipe(parameter))) ** (1.0 / 3.0)
     compliance = approach * (3.0 * (1.0 - _NU**2) / (_E * total)) ** (2.0 / 3.0) * total / 2.0
     return float(compliance**-1.5)
+
+
+def static_load(curvatures: Sequence[float]) -> float:
+    """Load (N) under which two steel bodies have the contact pressure of the static load rating.
+
+    `curvatures` are those of `hertz_constant`. The largest pressure is 3Q/2πab. The semi-axes a and
+    b of the contact ellipse have the product (2E/π)^(2/3) κ^(1/3) (3Q(1 − ν²)/(E_Y Σρ))^(2/3).
+    """
+    ratio = ellipse_ratio(curvature_difference(curvatures))
+    integral = float(scipy.special.ellipe(1.0 - ratio**-2))
+    product = (2.0 * integral / np.pi) ** (2.0 / 3.0) * ratio ** (1.0 / 3.0)
+    product *= (3.0 * (1.0 - _NU**2) / (_E * float(sum(curvatures)))) ** (2.0 / 3.0)
+    return float((2.0 * np.pi / 3.0 * _STATIC_PRESSURE * product) ** 3)
 
 
 def curvature_difference(curvatures: Sequence[float]) -> float:

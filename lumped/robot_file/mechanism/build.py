@@ -18,17 +18,8 @@ from lumped.mechanism.body import (
     Rigid,
     Selection,
 )
-from lumped.mechanism.catalogue.ball_contact import (
-    BallBearing,
-    bearing_compliance,
-    bearing_of_size,
-    bearing_stiffness,
-)
-from lumped.mechanism.catalogue.ball_guide import (
-    BallGuide,
-    carriage_stiffness,
-    guide_compliance,
-)
+from lumped.mechanism.catalogue.ball_contact import bearing_compliance, bearing_stiffness
+from lumped.mechanism.catalogue.ball_guide import carriage_stiffness, guide_compliance
 from lumped.mechanism.catalogue.ball_nut import (
     FIXED_BEARINGS,
     PRELOADED,
@@ -42,6 +33,7 @@ from lumped.mechanism.joint import BallScrew, Drive, Joint, Side
 from lumped.mechanism.mechanism import GROUND, Mechanism
 from lumped.mechanism.placing import axes_along, place_leg, place_rigid_body
 from lumped.robot_file.mechanism.draft import BodyDraft, Draft, JointDraft, LegDraft
+from lumped.robot_file.mechanism.rolling import ball_bearing, ball_guide
 from lumped.robot_file.rules.tables.bodies import InterfaceEntry
 from lumped.robot_file.rules.tables.joints import (
     AlongDirections,
@@ -161,20 +153,9 @@ def _drive(entry: DriveEntry) -> Drive:
 
 def _bearing_compliance(entry: BearingEntry) -> Array:
     """Compliance (6×6, x along the shaft) of a preloaded ball bearing."""
-    if entry.size is not None:
-        bearing = bearing_of_size(entry.size)
-    else:
-        bearing = BallBearing(
-            balls=given(entry.balls),
-            ball_diameter=given(entry.ball_diameter),
-            pitch_diameter=given(entry.pitch_diameter),
-            angle=float(np.radians(entry.contact_angle or 0.0)),
-            inner=entry.inner_groove or 0.52,
-            outer=entry.outer_groove or 0.53,
-        )
     return bearing_compliance(
         bearing_stiffness(
-            bearing, entry.preload, entry.rows, entry.arrangement, entry.distance or 0.0
+            ball_bearing(entry), entry.preload, entry.rows, entry.arrangement, entry.distance or 0.0
         )
     )
 
@@ -184,17 +165,7 @@ def _guide_compliance(entry: GuideEntry) -> Array:
     preload = entry.preload
     if isinstance(preload, str):
         return guide_compliance(carriage_stiffness(given(entry.size), preload))
-    guide = BallGuide(
-        balls=given(entry.balls),
-        ball_diameter=given(entry.ball_diameter),
-        spacing=given(entry.spacing),
-        width=given(entry.width),
-        height=given(entry.height),
-        angle=float(np.radians(entry.contact_angle or 45.0)),
-        groove=entry.groove or 0.52,
-        lines=entry.lines or "O",
-    )
-    return guide_compliance(guide.stiffness(preload))
+    return guide_compliance(ball_guide(entry).stiffness(preload))
 
 
 def _screw(entry: ScrewEntry) -> BallScrew:

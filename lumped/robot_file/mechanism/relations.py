@@ -16,6 +16,7 @@ from lumped.mechanism.joint import FREEDOMS, SMALLEST_SINE, JointKind
 from lumped.mechanism.length_unit import METRE, UnitOfLength
 from lumped.mechanism.mechanism import GROUND, Tool
 from lumped.robot_file.mechanism.draft import BodyDraft, JointDraft, LegDraft
+from lumped.robot_file.mechanism.rolling import bearing_preload_faults, guide_preload_faults
 from lumped.robot_file.rules.rule import NO_DIRECTION, field_of, too_many
 from lumped.robot_file.rules.tables.bodies import BODY, BodyEntry, InterfaceEntry
 from lumped.robot_file.rules.tables.joints import (
@@ -317,13 +318,16 @@ def _guide_faults(joint: JointDraft, guide: GuideEntry) -> Iterator[str]:
     for name in _present_keys(entry, "compliance", "stiffness"):
         yield f"{key}: must be left out if {joint.key}.{name} is given, which it determines"
     inside = ("balls", "ball_diameter", "spacing", "width", "height")
-    yield from _catalogue_faults(guide, key, inside, ("contact_angle", "groove", "lines"))
+    faults = [*_catalogue_faults(guide, key, inside, ("contact_angle", "groove", "lines"))]
+    yield from faults
     if (guide.size is not None) != isinstance(guide.preload, str):
         classes = " or ".join(map(shown, get_args(PreloadClass)))
         required = (
             "a force in N, without a size" if guide.size is None else f"{classes}, for a size"
         )
         yield f"{key}.preload = {shown(guide.preload)}: must be {required}"
+    elif guide.size is None and not faults:
+        yield from guide_preload_faults(guide, key)
     if guide.spacing and guide.ball_diameter and guide.spacing < guide.ball_diameter:
         yield f"{key}.spacing: must be at least the diameter of the balls"
     if entry.up is None:
@@ -338,12 +342,13 @@ def _bearing_faults(joint: JointDraft, bearing: BearingEntry) -> Iterator[str]:
     for name in _present_keys(entry, "compliance", "stiffness"):
         yield f"{key}: must be left out if {joint.key}.{name} is given, which it determines"
     inside = ("balls", "ball_diameter", "pitch_diameter")
-    yield from _catalogue_faults(
-        bearing, key, inside, ("contact_angle", "inner_groove", "outer_groove")
-    )
+    faults = [
+        *_catalogue_faults(bearing, key, inside, ("contact_angle", "inner_groove", "outer_groove"))
+    ]
     balls, ball, pitch = bearing.balls, bearing.ball_diameter, bearing.pitch_diameter
     if balls and ball and pitch and balls * ball > pi * pitch:
-        yield f"{key}.balls = {balls}: do not fit into their circle"
+        faults.append(f"{key}.balls = {balls}: do not fit into their circle")
+    yield from faults or bearing_preload_faults(bearing, key)
     if (bearing.rows > 1) != (bearing.distance is not None):
         yield f"{key}.distance: must be given for several rows, and left out for one"
 

@@ -11,6 +11,7 @@ from lumped.mechanism.catalogue.ball_contact import (
     bearing_stiffness,
     curvature_difference,
     hertz_constant,
+    static_load,
 )
 from lumped.mechanism.kinematics.postures import reference_posture
 from lumped.system.assembly import assemble
@@ -138,6 +139,31 @@ def test_stiffness_grows_with_cube_root():
     assert 2.0 < stiff / soft < 2.05
 
 
+def test_static_load_of_spheres_equals_hertz():
+    """p = (6 Q E*²/π³R²)^(1/3) = 4200 MPa (Johnson, Contact Mechanics, eq. 4.24)."""
+    first, second = 5e-3, 8e-3
+    radius = 1.0 / (1.0 / first + 1.0 / second)
+    expected = (4.2e9 * np.pi) ** 3 * radius**2 / (6.0 * E_STAR**2)
+    load = static_load((1.0 / first, 1.0 / first, 1.0 / second, 1.0 / second))
+    assert load == pytest.approx(expected, rel=1e-9)
+
+
+@pytest.mark.parametrize(("size", "printed"), [("6203", 4.75e3), ("6205", 7.8e3)])
+def test_static_rating_equals_catalogue(size, printed):
+    """Radial static load rating C₀ = Z Q₀/5 (ISO 76), printed in catalogues with two digits."""
+    bearing = bearing_of_size(size)
+    assert bearing.balls * bearing.static_load / 5.0 == pytest.approx(printed, rel=0.01)
+
+
+@pytest.mark.parametrize("size", ["6203", "7218"])
+def test_largest_preload_has_static_load(size):
+    """Under it, each ball carries the load of the static rating."""
+    bearing = bearing_of_size(size)
+    _, approach = bearing.under_preload(bearing.largest_preload)
+    load = bearing.contact_constant * approach**1.5
+    assert load == pytest.approx(bearing.static_load, rel=1e-9)
+
+
 ARM = """
 schema = 2
 name = "arm"
@@ -184,6 +210,10 @@ FAULTS = {
     ),
     'size = "6205", preload = 100.0, rows = 2': (
         "joints.a.bearing.distance: must be given for several rows, and left out for one"
+    ),
+    'size = "6205", preload = 20000.0': (
+        "joints.a.bearing.preload = 20000.0: must be at most 1.98e+04 N, at which the balls reach "
+        "the contact pressure of the static load rating, 4200 MPa (ISO 76)"
     ),
     'size = "6299", preload = 100.0': (
         'joints.a.bearing.size = "6299": must be "6203" or "6205" or "6209" or "7218"'

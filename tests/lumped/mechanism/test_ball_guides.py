@@ -184,13 +184,19 @@ FAULTS = {
     f"{CLASSES}guide = {{ size = 'HG25C', preload = 'ZA', balls = 14 }}": (
         "joints.a.guide.balls: must be left out, because joints.a.guide.size determines it"
     ),
+    SLIDE.replace("UP", "up = [0, 0, 1]").replace(f"preload = {PRELOAD}", "preload = 4000"): (
+        "joints.a.guide.preload = 4000.0: must be at most 3.88e+03 N, 13 % of the static load "
+        "rating of these balls; no class of catalogues has more"
+    ),
     SLIDE.replace("UP", "up = [0, 0, 1]").replace(f"height = {HEIGHT}", ""): (
         "joints.a.guide.height: missing; must be given, or joints.a.guide.size"
     ),
 }
 
 
-@pytest.mark.parametrize("text", FAULTS, ids=["up", "spacing", "class", "force", "balls", "height"])
+@pytest.mark.parametrize(
+    "text", FAULTS, ids=["up", "spacing", "class", "force", "balls", "preload", "height"]
+)
 def test_invalid_guide_is_refused(text):
     """Without `up`, or with balls that are closer than their diameter: one line each."""
     with pytest.raises(InputError) as error:
