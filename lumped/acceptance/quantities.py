@@ -8,7 +8,7 @@ from the robot file.
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
-from enum import StrEnum, auto
+from enum import Enum, StrEnum, auto
 from typing import NamedTuple
 
 # Components of a twist along and about the base axes, in the order of rows and columns of a 6×6.
@@ -27,8 +27,8 @@ _LEG_ENTRY = re.compile(r"([\w-]{1,40})\.c([1-6])([1-6])")
 class QuantityKind(StrEnum):
     """Kinds of quantities that are judged or measured.
 
-    Kinds after SIZE, from COMPONENT on, occur for measured values only. `_TEXTS` contains the unit,
-    the name and the descriptions of each kind.
+    Kinds after SIZE, from COMPONENT on, occur for measured values only. `_KINDS` contains the unit,
+    the name and the other properties of each kind.
     """
 
     # Displacement vector under a unit force along an axis; rotation vector under a unit moment.
@@ -56,63 +56,107 @@ class QuantityKind(StrEnum):
     LOW_SIZE = auto()
 
 
-class _Texts(NamedTuple):
-    """Unit of a kind of quantity, and templates for four texts about a quantity of this kind.
+class QuantityGroup(Enum):
+    """Groups of quantities in the order in which a sentence names them.
+
+    The value has the words that stand for all quantities of the group. `SINGLE` has none: its
+    quantities are always named one by one.
+    """
+
+    DEFLECTIONS = ("deflections", "rotations")
+    FREQUENCIES = ("frequencies",)
+    LOADS = ("loads",)
+    RESPONSES = ("responses",)
+    SINGLE = ()
+
+
+class Domain(Enum):
+    """Solution of a model in which a quantity is found."""
+
+    STATIC = auto()
+    MODAL = auto()
+    HARMONIC = auto()
+
+
+class _KindRow(NamedTuple):
+    """Properties of a kind of quantity, and templates for four texts about a quantity of this kind.
 
     The templates belong to the properties `name`, `label`, `meaning` and `loading` of `Quantity`.
     They contain placeholders such as {key} and {axis}. `loading` is "" for kinds without a unit
-    load.
+    load. `whole`: True for vectors that are compared as a whole, so that their errors have no sign.
+    `rotational`: True for rotations under a moment.
     """
 
+    group: QuantityGroup
+    domain: Domain
     unit: str
     name: str
     label: str
     meaning: str
     loading: str = ""
+    whole: bool = False
+    rotational: bool = False
 
 
-_KIND = QuantityKind
+_KIND, _GROUP = QuantityKind, QuantityGroup
 _BY_FORCE = "{key}", "{axis_label}", "displacement under a force along {axis}", "force along {axis}"
 _BY_MOMENT = "{key}", "{axis_label}", "rotation under a moment about {axis}", "moment about {axis}"
 _RESPONSE = "response:{key}"
-_TEXTS = {
-    _KIND.DEFLECTION: _Texts("m/N", *_BY_FORCE),
-    _KIND.ROTATION: _Texts("rad/(N m)", *_BY_MOMENT),
-    _KIND.ANY_FORCE: _Texts(
+_KINDS = {
+    _KIND.DEFLECTION: _KindRow(_GROUP.DEFLECTIONS, Domain.STATIC, "m/N", *_BY_FORCE, whole=True),
+    _KIND.ROTATION: _KindRow(
+        _GROUP.DEFLECTIONS, Domain.STATIC, "rad/(N m)", *_BY_MOMENT, whole=True, rotational=True
+    ),
+    _KIND.ANY_FORCE: _KindRow(
+        *(_GROUP.DEFLECTIONS, Domain.STATIC),
         *("m/N", "any_force", "any force", "displacement under any force"),
         "worst direction of force",
+        whole=True,
     ),
-    _KIND.LOAD: _Texts("m", "load:{key}", "load {key}", "displacement under the load {key}"),
-    _KIND.FREQUENCY: _Texts("Hz", "{key}", "{key}", "natural frequency {number}"),
-    _KIND.ORDER: _Texts("Hz", "order", "order of modes", "order of modes"),
-    _KIND.PEAK: _Texts(
-        *("m/N", _RESPONSE, "{key} peak", "height of the peak of the response {key}")
+    _KIND.LOAD: _KindRow(
+        *(_GROUP.LOADS, Domain.STATIC),
+        *("m", "load:{key}", "load {key}", "displacement under the load {key}"),
+        whole=True,
     ),
-    _KIND.PEAK_FREQUENCY: _Texts(
+    _KIND.FREQUENCY: _KindRow(
+        _GROUP.FREQUENCIES, Domain.MODAL, "Hz", "{key}", "{key}", "natural frequency {number}"
+    ),
+    _KIND.ORDER: _KindRow(
+        _GROUP.SINGLE, Domain.MODAL, "Hz", "order", "order of modes", "order of modes"
+    ),
+    _KIND.PEAK: _KindRow(
+        *(_GROUP.RESPONSES, Domain.HARMONIC),
+        *("m/N", _RESPONSE, "{key} peak", "height of the peak of the response {key}"),
+    ),
+    _KIND.PEAK_FREQUENCY: _KindRow(
+        *(_GROUP.RESPONSES, Domain.HARMONIC),
         *("Hz", f"{_RESPONSE}.frequency", "{key} peak frequency"),
         "frequency of the peak of the response {key}",
     ),
-    _KIND.SIZE: _Texts(
+    _KIND.SIZE: _KindRow(
+        *(_GROUP.RESPONSES, Domain.HARMONIC),
         *("m/N", f"{_RESPONSE}.at", "{key} at one frequency"),
         "size at one frequency of the response {key}",
     ),
-    _KIND.COMPONENT: _Texts("m", *_BY_FORCE),
-    _KIND.ANGLE: _Texts("rad", *_BY_MOMENT),
+    _KIND.COMPONENT: _KindRow(_GROUP.DEFLECTIONS, Domain.STATIC, "m", *_BY_FORCE),
+    _KIND.ANGLE: _KindRow(_GROUP.DEFLECTIONS, Domain.STATIC, "rad", *_BY_MOMENT, rotational=True),
     # The unit depends on row and column.
-    _KIND.COMPLIANCE: _Texts("", "{key}", "{key}", "{entry} of the 6×6 compliance of {leg}"),
-    _KIND.TEST_SIZE: _Texts(
-        *("m/N", f"response:{TEST_RESPONSE}.{{key}}", "response at {key}", "response at {key}")
+    _KIND.COMPLIANCE: _KindRow(
+        *(_GROUP.SINGLE, Domain.STATIC),
+        *("", "{key}", "{key}", "{entry} of the 6×6 compliance of {leg}"),
     ),
-    _KIND.LOW_SIZE: _Texts(
+    _KIND.TEST_SIZE: _KindRow(
+        *(_GROUP.RESPONSES, Domain.HARMONIC),
+        *("m/N", f"response:{TEST_RESPONSE}.{{key}}", "response at {key}", "response at {key}"),
+    ),
+    _KIND.LOW_SIZE: _KindRow(
+        *(_GROUP.RESPONSES, Domain.HARMONIC),
         *("m/N", f"response:{TEST_RESPONSE}.low"),
         *("response at low frequency", "response at low frequency"),
     ),
 }
 # Units of the 3×3 blocks of a compliance. Rows: translation, rotation. Columns: force, moment.
 _COMPLIANCE_UNITS = (("m/N", "1/N"), ("1/N", "rad/(N m)"))
-_WHOLE = {_KIND.DEFLECTION, _KIND.ROTATION, _KIND.ANY_FORCE, _KIND.LOAD}
-_STATIC = {*_WHOLE, _KIND.COMPONENT, _KIND.ANGLE, _KIND.COMPLIANCE}
-_MODAL = {_KIND.FREQUENCY, _KIND.ORDER}
 # Kind of quantity for each suffix after "response:NAME".
 _RESPONSE_KINDS = {"": _KIND.PEAK, "frequency": _KIND.PEAK_FREQUENCY, "at": _KIND.SIZE}
 
@@ -137,17 +181,17 @@ class Quantity:
     @property
     def name(self) -> str:
         """Name of the quantity in files and on the command line."""
-        return self._text(_TEXTS[self.kind].name)
+        return self._text(_KINDS[self.kind].name)
 
     @property
     def label(self) -> str:
         """Short heading, such as "φx", "load cutting" or "mill peak frequency"."""
-        return self._text(_TEXTS[self.kind].label)
+        return self._text(_KINDS[self.kind].label)
 
     @property
     def meaning(self) -> str:
         """Description in words, such as "rotation under a moment about x"."""
-        return self._text(_TEXTS[self.kind].meaning)
+        return self._text(_KINDS[self.kind].meaning)
 
     @property
     def loading(self) -> str:
@@ -155,7 +199,7 @@ class Quantity:
 
         "" for quantities without a unit load.
         """
-        return self._text(_TEXTS[self.kind].loading)
+        return self._text(_KINDS[self.kind].loading)
 
     @property
     def unit(self) -> str:
@@ -165,34 +209,39 @@ class Quantity:
         A displacement under a load of the robot file, and a measured deflection, are in m or rad.
         """
         if self.kind is not _KIND.COMPLIANCE:
-            return _TEXTS[self.kind].unit
+            return _KINDS[self.kind].unit
         row, column = divmod(self.column, len(AXES))
         return _COMPLIANCE_UNITS[row > 2][column > 2]
 
     @property
+    def group(self) -> QuantityGroup:
+        """Group of quantities for which a sentence has a common word."""
+        return _KINDS[self.kind].group
+
+    @property
     def whole(self) -> bool:
         """True for displacements that are compared as vectors. Their errors have no sign."""
-        return self.kind in _WHOLE
+        return _KINDS[self.kind].whole
 
     @property
     def static(self) -> bool:
         """True for static displacements and rotations, and for entries of a leg's compliance."""
-        return self.kind in _STATIC
+        return _KINDS[self.kind].domain is Domain.STATIC
 
     @property
     def harmonic(self) -> bool:
         """True for a quantity of a response to a harmonic force."""
-        return not self.static and not self.modal
+        return _KINDS[self.kind].domain is Domain.HARMONIC
 
     @property
     def modal(self) -> bool:
         """True for natural frequencies and for the order of the modes."""
-        return self.kind in _MODAL
+        return _KINDS[self.kind].domain is Domain.MODAL
 
     @property
     def rotational(self) -> bool:
         """True for rotations under a moment."""
-        return self.kind in {_KIND.ROTATION, _KIND.ANGLE}
+        return _KINDS[self.kind].rotational
 
     @property
     def static_column(self) -> int:

@@ -7,41 +7,17 @@ words, unless many models are relied on. Assumptions are a separate sentence.
 
 from collections.abc import Collection, Mapping, Sequence
 
-from lumped.acceptance.quantities import AXIS_LABELS, ORDER, Quantity, QuantityKind
+from lumped.acceptance.quantities import AXIS_LABELS, ORDER, Quantity, QuantityGroup
+from validation.adequacy.judged_models import JUDGED
 from validation.drawing.text import bound, error_text, number, percent
 from validation.verdicts import VERDICTS, Adequacy, Coordinate, Entry, Matrix
 
-_MODELS: Mapping[str, str] = {
-    "simplified": "the simplified model",
-    "vjm": "VJM with the specified legs",
-    "vjm-equivalent": "VJM on equivalent legs",
-    "beam": "beams",
-    "segments-euler-bernoulli": "Euler–Bernoulli segments",
-    "beam-euler-bernoulli": "Euler–Bernoulli beams",
-    "segments-condensed": "condensed segments",
-    "segments-stepped": "stepped segments",
-}
-_KIND = QuantityKind
-# Collective words for quantities, used if all judged quantities of these kinds are listed.
-_GROUPS: tuple[tuple[tuple[str, ...], frozenset[QuantityKind]], ...] = (
-    (
-        ("deflections", "rotations"),
-        frozenset(
-            {_KIND.DEFLECTION, _KIND.ROTATION, _KIND.ANY_FORCE, _KIND.COMPONENT, _KIND.ANGLE}
-        ),
-    ),
-    (("frequencies",), frozenset({_KIND.FREQUENCY})),
-    (("loads",), frozenset({_KIND.LOAD})),
-    (
-        ("responses",),
-        frozenset({_KIND.PEAK, _KIND.PEAK_FREQUENCY, _KIND.SIZE, _KIND.TEST_SIZE, _KIND.LOW_SIZE}),
-    ),
-)
+_WORDS: Mapping[str, str] = {name: model.words for name, model in JUDGED.items()}
 
 
 def model_name(model: str) -> str:
     """Name of a model inside a sentence."""
-    return _MODELS.get(model, model)
+    return _WORDS.get(model) or model
 
 
 def quantities_text(matrix: Matrix, quantities: Collection[Quantity]) -> str:
@@ -53,10 +29,10 @@ def quantities_text(matrix: Matrix, quantities: Collection[Quantity]) -> str:
     judged = {entry.quantity for entry in matrix.entries}
     words: list[str] = []
     remaining = [quantity for quantity in matrix.quantities if quantity in quantities]
-    for group, kinds in _GROUPS:
-        members = {quantity for quantity in judged if quantity.kind in kinds}
-        if len(members) > 1 and members <= set(remaining):
-            words += group
+    for group in QuantityGroup:
+        members = {quantity for quantity in judged if quantity.group is group}
+        if group.value and len(members) > 1 and members <= set(remaining):
+            words += group.value
             remaining = [quantity for quantity in remaining if quantity not in members]
     singles = (
         f"the {quantity.label}" if quantity == ORDER else quantity.label for quantity in remaining
