@@ -4,22 +4,16 @@ Input: `Errors` of a quantity, the reference and the deciding pose. Output: text
 `reason` of an entry, and the half-widths by source from which it follows.
 """
 
-from collections.abc import Mapping
 from itertools import compress
 from typing import TypeAlias
 
 from lumped.acceptance.quantities import ORDER, Quantity, QuantityKind
 from lumped.arrays import Array
 from validation.adequacy.errors import Errors, verdicts_of
-from validation.references.reference import NOT_FINER, SAY_LINEAR, Reference, Source
+from validation.references.reference import NOT_FINER, Reference, Source
 from validation.references.responses import Model
 from validation.verdicts import Adequacy
 
-_DECIDED_BY: Mapping[str, str] = {
-    Source.DIGITS: "specify the 6×6 compliance in the robot file with more digits",
-    Source.LINEARITY: SAY_LINEAR,
-    Source.PAIRING: "mode shapes of nearly equal frequency mix, so that their pairing is ambiguous",
-}
 _UNDECIDED_SHAPES = "several modes of the reference have the shape of one mode"
 # If the largest source of uncertainty has no remedy, the remedy of another source is given if that
 # source is at least this fraction as large.
@@ -71,9 +65,13 @@ def reason_of(
     if texts or errors.missing[:, pose].any():
         return "; ".join(filter(None, (*texts, decides or reference.finer)))
     parts = half_width_parts(errors, reference, position)
-    remedy_by_source = {Source.MESHES: reference.finer, **_DECIDED_BY, reference.open: decides}
-    remedy_by_source[Source.INTERIOR] = reference.interior
-    remedy_by_source[Source.MASSES] = reference.masses or reference.decides
+    remedy_by_source: dict[str, str] = {
+        **{source: source.remedy for source in Source},
+        reference.open: decides,
+        Source.MESHES: reference.finer,
+        Source.INTERIOR: reference.interior,
+        Source.MASSES: reference.masses or reference.decides,
+    }
     widest = max(parts.values())
     ranked = sorted(parts, key=lambda name: -parts[name])
     # If the largest source has no remedy, the remedy of a nearly as large source is given.

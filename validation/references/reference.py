@@ -27,15 +27,34 @@ SAY_LINEAR = (
 
 
 class Source(StrEnum):
-    """Sources of uncertainty of a reference. The values are the names in results and reports."""
+    """Sources of uncertainty of a reference. The values are the names in results and reports.
+
+    `remedy`: reason for an undecided verdict if this source has the largest half-width, with what
+    would decide it. "" if that depends on the reference; `reason_of` then has the instruction.
+    """
+
+    remedy: str
+
+    def __new__(cls, name: str, remedy: str = "") -> "Source":
+        """Source with a name and a `remedy`, from the value of a member."""
+        source = str.__new__(cls, name)
+        source._value_ = name
+        source.remedy = remedy
+        return source
 
     MESHES = "meshes"
-    DIGITS = "digits of the file"
-    PAIRING = "modes with mixed shapes"
+    DIGITS = (
+        "digits of the file",
+        "specify the 6×6 compliance in the robot file with more digits",
+    )
+    PAIRING = (
+        "modes with mixed shapes",
+        "mode shapes of nearly equal frequency mix, so that their pairing is ambiguous",
+    )
     # Distribution of mass and stiffness along legs that are specified by their 6×6 only.
     MASSES = "mass distribution of the legs"
     INTERIOR = "stiffness distribution of the legs"
-    LINEARITY = "geometric stiffness due to the load"
+    LINEARITY = "geometric stiffness due to the load", SAY_LINEAR
 
 
 @dataclass(frozen=True)
