@@ -4,7 +4,7 @@ Input: a `Matrix`. Output: `Table` with cells and detail sheets, CSV, `ResultTab
 per entry.
 """
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeAlias
 
@@ -49,11 +49,6 @@ MARKS: Mapping[Adequacy, str] = {"adequate": "✓", "inadequate": "✗", "undeci
 FORCE, MOMENT = 1000.0, 100.0
 # Verdicts with at least this probability are displayed without the probability.
 _CERTAIN = 0.995
-# Column headings of the `ResultTable` of a matrix.
-_HEADINGS = (
-    *("model", "quantity", "verdict", "error (%)", "half-width (%)", "low (%)", "high (%)"),
-    *("limit (%)", "pose", "cause", "remedy"),
-)
 # A model without a motion has an error of −1 along the load. Errors beyond minus this value count
 # as −1: round-off.
 _WHOLE_MOTION = 1.0 - 1e-9
@@ -267,22 +262,38 @@ def entry_line(matrix: Matrix, entry: Entry) -> str:
     return "; ".join(parts)
 
 
+def _per_cent(name: str) -> Callable[[Matrix, Entry], float | None]:
+    """Function that returns a field of an entry, which is a ratio, in per cent."""
+
+    def value(_: Matrix, entry: Entry) -> float | None:
+        share: float | None = getattr(entry, name)
+        return None if share is None else 100.0 * share
+
+    return value
+
+
+# Columns of the `ResultTable` of a matrix: heading, and function that returns the cell of an entry.
+_COLUMNS: Mapping[str, Callable[[Matrix, Entry], str | float | None]] = {
+    "model": lambda _, entry: entry.model,
+    "quantity": lambda _, entry: str(entry.quantity),
+    "verdict": lambda _, entry: entry.verdict,
+    "error (%)": _per_cent("error"),
+    "half-width (%)": _per_cent("uncertainty"),
+    "low (%)": _per_cent("low"),
+    "high (%)": _per_cent("high"),
+    "limit (%)": _per_cent("limit"),
+    "pose": lambda matrix, entry: pose_text(matrix.coordinates, entry.pose) if entry.pose else None,
+    "cause": lambda _, entry: entry.causes[0].cause if entry.causes else None,
+    "remedy": lambda _, entry: entry.remedy or None,
+}
+
+
 def matrix_table(matrix: Matrix) -> ResultTable:
     """Table with a row for each model and quantity, errors and limits in per cent."""
-    return ResultTable(_HEADINGS, tuple(_row(matrix, entry) for entry in matrix.entries))
-
-
-def _row(matrix: Matrix, entry: Entry) -> tuple[str | float | None, ...]:
-    shares = entry.error, entry.uncertainty, entry.low, entry.high, entry.limit
-    return (
-        entry.model,
-        str(entry.quantity),
-        entry.verdict,
-        *(None if share is None else 100.0 * share for share in shares),
-        pose_text(matrix.coordinates, entry.pose) if entry.pose else None,
-        entry.causes[0].cause if entry.causes else None,
-        entry.remedy or None,
+    rows = tuple(
+        tuple(cell(matrix, entry) for cell in _COLUMNS.values()) for entry in matrix.entries
     )
+    return ResultTable(tuple(_COLUMNS), rows)
 
 
 def sheet_of(matrix: Matrix, note: ModelNote, entry: Entry) -> tuple[str, tuple[Line, ...]]:
