@@ -40,7 +40,6 @@ from validation.adequacy.judgement import verdict_matrix
 from validation.adequacy.robot_verdicts import judged_robot
 from validation.case import Skip
 from validation.comparisons.convergence_study import ConvergenceStudy
-from validation.comparisons.discretisations import RefinedModel
 from validation.comparisons.element_convergence import storing
 from validation.comparisons.requested import convergence
 from validation.console.arguments import checked, faults_of
@@ -55,7 +54,7 @@ from validation.maps.figure import WorkspaceMaps, workspace_maps
 from validation.maps.workspace import directions
 from validation.measured.matrix import measured_matrix
 from validation.measured.modes import with_measured_file
-from validation.models.options import ModelName, ModelOptions
+from validation.models.options import ModelName, ModelOptions, RefinedModel
 from validation.models.reduced_parts import free_body_part, identified
 from validation.parts.free_modes import FreePart, free_entry
 from validation.parts.identify import DEFAULT_MODES, DEFAULT_UNKNOWNS, Identified

@@ -46,6 +46,7 @@ from validation.console.typed import (
 from validation.export.command import export as export_model
 from validation.forces import command as forces_command
 from validation.kinematics import commands as kinematics
+from validation.models.options import ModalModel, ModelName
 from validation.selftest.command import selftest
 from validation.solve import part_commands as commands
 
@@ -343,7 +344,7 @@ def compare(before: PathArgument, after: PathArgument, *, json: AsJson = False) 
 def solve(
     robot: RobotName,
     *,
-    model: Literal["simplified", "vjm", "links", "segments", "beam", "solid"],
+    model: ModelName,
     x: tuple[float, ...] = (),
     pose: Annotated[tuple[str, ...], Parameter(allow_leading_hyphen=True)] = (),
     leg: WholeNumber | None = None,
@@ -355,7 +356,7 @@ def solve(
     ends: Literal["rigid", "free", "free-free"] | None = None,
     reduction: Literal["fixed", "free"] | None = None,
     accuracy: float | None = None,
-    against: Literal["simplified", "segments", "beam", "solid"] | None = None,
+    against: ModalModel | None = None,
     vary: tuple[str, ...] = (),
     minimise: str | None = None,
     maximise: str | None = None,

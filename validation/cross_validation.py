@@ -19,9 +19,9 @@ from validation.comparisons.agreement_rows import (
     percent,
 )
 from validation.comparisons.convergence_study import ConvergenceStudy
-from validation.comparisons.discretisations import RefinedModel
 from validation.context import Context
 from validation.drawing.text import quantity_name
+from validation.models.options import RefinedModel
 from validation.report.agreement import agreement_sentence
 from validation.run.outcome import Outcome
 from validation.tables import ResultTable, html_paragraph

@@ -14,43 +14,119 @@ from lumped.mechanism.mechanism import Mechanism, Posture
 from validation.models.options import STATIC, ModelName, ModelOptions
 from validation.models.reduced_parts import is_leg
 from validation.models.stepped_parts import why_not_stepped
+from validation.references.modal_reference import (
+    MODES_FROM_BEAMS,
+    MODES_FROM_SEGMENTS,
+    MODES_TO_SOLIDS,
+)
 from validation.references.model_ladder import formulation
 from validation.references.responses import Model
 from validation.references.robot_on_path import RobotOnPath, why_not_serial
+from validation.references.static_reference import FROM_CONSTANT, TO_SOLIDS
 
 
 class JudgedModel(NamedTuple):
-    """Formulation (`kind`), options, and title in the report of a judged model."""
+    """A judged model: a row of the matrix of verdicts.
+
+    `kind`: formulation. `title`: description in the report. `words`: name of the model inside a
+    sentence, "" if it is the name in the matrix. `static_steps` and `modal_steps`: names of the
+    steps in `STATIC_STEPS` and `DYNAMIC_STEPS` that lead from the model to the reference. Each
+    names a cause of the model's error. `plotted`: True if the model is a curve in the figures of
+    compliances and frequencies along the path.
+    """
 
     kind: ModelName
     title: str
     options: ModelOptions = ModelOptions()
+    words: str = ""
+    static_steps: Sequence[str] = ()
+    modal_steps: Sequence[str] = ()
+    plotted: bool = True
 
 
 _EQUIVALENT = ModelOptions(legs="equivalent")
 _EULER = ModelOptions(theory="euler-bernoulli")
 JUDGED: Mapping[str, JudgedModel] = {
-    "simplified": JudgedModel("simplified", "elastic drives, rigid bodies"),
-    "vjm": JudgedModel("vjm", "virtual joints, legs as given"),
-    "vjm-equivalent": JudgedModel("vjm", "virtual joints, legs of constant section", _EQUIVALENT),
-    "links": JudgedModel("links", "matrix structural analysis, legs as given"),
-    "segments": JudgedModel("segments", "20 rigid segments per leg, Timoshenko"),
+    "simplified": JudgedModel(
+        "simplified",
+        "elastic drives, rigid bodies",
+        words="the simplified model",
+        static_steps=("drives", *TO_SOLIDS),
+        modal_steps=("drives", *MODES_FROM_BEAMS),
+    ),
+    "vjm": JudgedModel(
+        "vjm",
+        "virtual joints, legs as given",
+        words="VJM with the specified legs",
+        static_steps=TO_SOLIDS,
+    ),
+    "vjm-equivalent": JudgedModel(
+        "vjm",
+        "virtual joints, legs of constant section",
+        _EQUIVALENT,
+        words="VJM on equivalent legs",
+        static_steps=FROM_CONSTANT,
+        plotted=False,
+    ),
+    "links": JudgedModel(
+        "links", "matrix structural analysis, legs as given", static_steps=TO_SOLIDS
+    ),
+    "segments": JudgedModel(
+        "segments",
+        "20 rigid segments per leg, Timoshenko",
+        static_steps=FROM_CONSTANT,
+        modal_steps=MODES_FROM_SEGMENTS,
+    ),
     "segments-stepped": JudgedModel(
-        "segments", "parts stepped in ten prismatic pieces", ModelOptions(parts="stepped")
+        "segments",
+        "parts stepped in ten prismatic pieces",
+        ModelOptions(parts="stepped"),
+        words="stepped segments",
+        static_steps=("condensed", *TO_SOLIDS),
+        modal_steps=("condensed", *MODES_TO_SOLIDS),
     ),
     "segments-condensed": JudgedModel(
-        "segments", "parts condensed on their interfaces", ModelOptions(parts="condensed")
+        "segments",
+        "parts condensed on their interfaces",
+        ModelOptions(parts="condensed"),
+        words="condensed segments",
+        static_steps=TO_SOLIDS,
+        modal_steps=("modes inside", *MODES_TO_SOLIDS),
     ),
-    "beam": JudgedModel("beam", "20 beam elements per leg, Timoshenko"),
+    "beam": JudgedModel(
+        "beam",
+        "20 beam elements per leg, Timoshenko",
+        words="beams",
+        static_steps=FROM_CONSTANT,
+        modal_steps=MODES_FROM_BEAMS,
+    ),
     "segments-euler-bernoulli": JudgedModel(
-        "segments", "20 rigid segments per leg, Euler–Bernoulli", _EULER
+        "segments",
+        "20 rigid segments per leg, Euler–Bernoulli",
+        _EULER,
+        words="Euler–Bernoulli segments",
+        static_steps=("shear", *FROM_CONSTANT),
+        modal_steps=("shear of segments", *MODES_FROM_SEGMENTS),
+        plotted=False,
     ),
     "beam-euler-bernoulli": JudgedModel(
-        "beam", "20 beam elements per leg, Euler–Bernoulli", _EULER
+        "beam",
+        "20 beam elements per leg, Euler–Bernoulli",
+        _EULER,
+        words="Euler–Bernoulli beams",
+        static_steps=("shear", *FROM_CONSTANT),
+        modal_steps=("shear of beams", *MODES_FROM_BEAMS),
     ),
 }
+# Names of the steps from each judged model to the static and to the modal reference.
+STATIC_ORDERS = {name: model.static_steps for name, model in JUDGED.items()}
+MODAL_ORDERS = {name: model.modal_steps for name, model in JUDGED.items()}
 # Models whose legs are rigid or as in the robot file. All others use equivalent prisms.
-LEGS_AS_GIVEN = ("simplified", "vjm", "links")
+LEGS_AS_GIVEN = tuple(
+    name
+    for name, model in JUDGED.items()
+    if model.kind == "simplified" or (model.kind in STATIC and model.options.legs == "given")
+)
 _STATIC = "static model without mass, so it has no frequencies"
 _RIGID = "all bodies and joints are rigid, and no elastic drive yields to the force or moment"
 

@@ -13,7 +13,8 @@ import numpy as np
 from lumped.arrays import Array
 from lumped.errors import InputError
 from lumped.mechanism.mechanism import Mechanism
-from validation.adequacy.judged_models import judged_models, judged_models_of
+from validation.adequacy.judged_models import JUDGED, judged_models, judged_models_of
+from validation.models.options import STATIC
 from validation.references.modal_reference import dynamic_reference
 from validation.references.model_ladder import SOLID
 from validation.references.reference import Interpretation, Reference, Source
@@ -24,9 +25,8 @@ from validation.responses.mode_partners import frequency_changes, partners
 from validation.responses.statics_and_modes import PathModes, Statics
 
 # Models in display order, from the bottom of a stack of curves to its top.
-_DYNAMIC = ("segments", "segments-stepped", "segments-condensed", "beam", "beam-euler-bernoulli")
-_STATIC_STACK = ("simplified", "vjm", "links", *_DYNAMIC)
-_DYNAMIC_STACK = ("simplified", *_DYNAMIC)
+_STATIC_STACK = tuple(name for name, model in JUDGED.items() if model.plotted)
+_DYNAMIC_STACK = tuple(name for name in _STATIC_STACK if JUDGED[name].kind not in STATIC)
 
 
 @dataclass(frozen=True, eq=False)

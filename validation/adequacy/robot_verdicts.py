@@ -23,7 +23,13 @@ from lumped.mechanism.mechanism import GROUND, Mechanism, Tool
 from lumped.mechanism.placing import place_leg, place_rigid_body
 from lumped.models.bodies import leg_of, on_equivalent_legs
 from lumped.text import counted
-from validation.adequacy.judged_models import JUDGED, LEGS_AS_GIVEN, judged_models_of
+from validation.adequacy.judged_models import (
+    JUDGED,
+    LEGS_AS_GIVEN,
+    MODAL_ORDERS,
+    STATIC_ORDERS,
+    judged_models_of,
+)
 from validation.adequacy.judgement import verdict_matrix
 from validation.case import failure_reason
 from validation.context import PRESETS, Context, Preset
@@ -163,7 +169,7 @@ def robot_subject(context: Context) -> Subject:
     subject = replace(
         statics,
         dynamics=reference,
-        modal_steps=modal_steps(robot, models),
+        modal_steps=modal_steps(robot, models, MODAL_ORDERS),
         notes=(*_notes(robot), *stable, *_assumption_notes(responses, reference)),
         faults=faults,
         parts=tuple(
@@ -199,7 +205,7 @@ def static_subject(robot: RobotOnPath, models: Iterable[Model]) -> Subject:
     """
     responses, steps = Responses(robot), Steps()
     try:
-        reference, steps = static_reference(responses), static_steps(robot)
+        reference, steps = static_reference(responses), static_steps(robot, STATIC_ORDERS)
     except UNSOLVED as error:
         reference = no_reference(error)
     return Subject(

@@ -90,7 +90,7 @@ def _models(mechanism: Mechanism) -> Mapping[str, JudgedModel]:
 def _dynamic_models(mechanism: Mechanism) -> list[tuple[str, Relative, str]]:
     """Models with modes, each with the tolerance of its frequencies and the reason."""
     models = _models(mechanism).items()
-    return [(model, *_DYNAMIC[kind]) for model, (kind, _, _) in models if kind in _DYNAMIC]
+    return [(name, *_DYNAMIC[model.kind]) for name, model in models if model.kind in _DYNAMIC]
 
 
 cases = CaseGroup(
@@ -132,8 +132,8 @@ def expected_frequencies(posture: Posture, theory: Theory, degree: int, modes: i
 
 
 def _model(context: Context, model: str) -> tuple[ModelName, ModelOptions]:
-    kind, _, options = judged_models(context.robot_file.mechanism)[model]
-    return kind, options
+    judged = judged_models(context.robot_file.mechanism)[model]
+    return judged.kind, judged.options
 
 
 @cases.case(

@@ -12,7 +12,7 @@ from lumped.acceptance.quantities import AXIS_LABELS, DIAGONAL_UNITS
 from validation.case import Relative
 from validation.case_group import CaseFields, CaseGroup, Compute, Over, numbered
 from validation.comparisons.element_convergence import MODES
-from validation.models.options import ModelName
+from validation.models.options import OF_ELEMENTS, STATIC, ModelName
 from validation.studies_and_figures import AGREEMENT
 
 # Named causes of a difference, for which allowances are made.
@@ -24,8 +24,9 @@ FORMULA_SOURCE = "finite elements on the section, within the known error of text
 MOTIONS = {
     AXIS_LABELS[name]: (entry, unit) for entry, (name, unit) in enumerate(DIAGONAL_UNITS.items())
 }
-STATIC_MODELS: tuple[ModelName, ...] = ("vjm", "links", "segments", "beam")
-DYNAMIC_MODELS: tuple[ModelName, ...] = ("segments", "beam")
+# Models that are compared with solids: in statics those of both lists, in frequencies the latter.
+STATIC_MODELS: tuple[ModelName, ...] = (*STATIC, *OF_ELEMENTS)
+DYNAMIC_MODELS: tuple[ModelName, ...] = OF_ELEMENTS
 
 
 def agreement_group(*, over: Over | None = None, **fields: Unpack[CaseFields]) -> CaseGroup:

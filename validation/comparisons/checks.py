@@ -19,11 +19,11 @@ from validation.comparisons import leg_beam_vs_solid, line_leg_vs_solid, robot_b
 from validation.comparisons.agreement_rows import agreement_row
 from validation.comparisons.convergence_cases import JUDGED, study_of, subjects
 from validation.comparisons.convergence_study import ConvergenceStudy
-from validation.comparisons.discretisations import RefinedModel
 from validation.comparisons.element_convergence import QUANTITIES
 from validation.comparisons.requested import leg_names
 from validation.context import Context
 from validation.drawing.text import percent, quantity_name
+from validation.models.options import RefinedModel
 from validation.references.robot_on_path import prismatic_legs
 from validation.run.outcome import Outcome, Verdict, judge
 

@@ -22,6 +22,7 @@ from validation.console.typed import (
     require_writable,
     write,
 )
+from validation.models.options import RefinedModel
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -38,7 +39,7 @@ def converge(
     robot: RobotName = "ifw",
     *,
     body: str | None = None,
-    model: Literal["segments", "beam", "solid"] | None = None,
+    model: RefinedModel | None = None,
     elements: str | None = None,
     divisions: str | None = None,
     theory: Literal["euler-bernoulli", "timoshenko"] | None = None,

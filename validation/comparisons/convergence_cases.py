@@ -6,6 +6,7 @@ below the limit that table [agree] sets; each half-width of the uncertainty is a
 the error.
 """
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -19,22 +20,21 @@ from meshes.part.slices import NotPrismaticError
 from validation.case import Absolute, Elsewhere, Measurement, Relation, Skip
 from validation.case_group import CaseGroup
 from validation.comparisons.convergence_study import ConvergenceStudy
-from validation.comparisons.discretisations import RefinedModel
 from validation.comparisons.element_convergence import QUANTITIES
 from validation.comparisons.requested import convergence, leg_names
 from validation.context import Context
+from validation.models.options import RefinedModel
 from validation.models.stepped_parts import PIECES
 from validation.references.robot_on_path import distinct_legs
 from validation.studies_and_figures import CONVERGENCE
 
 GROUP = "convergence"
 FIGURE = "robot.element-convergence"
-# Formulations used elsewhere in the suite. The paper's literal layout is plotted beside them
-# without a verdict.
-JUDGED: tuple[RefinedModel, ...] = ("segments", "beam")
-# Accepted deviation of an observed order from the formal one. Few element counts show the fourth
-# order: lower ones are too coarse, and at higher ones the error is round-off.
-ORDER_TOLERANCE = {"segments": 0.05, "beam": 0.1}
+# Formulations with verdicts, each with the accepted deviation of an observed order from the formal
+# one. Few element counts show the fourth order: lower ones are too coarse, and at higher ones the
+# error is round-off. The paper's literal layout is plotted beside them without a verdict.
+ORDER_TOLERANCE: Mapping[RefinedModel, float] = {"segments": 0.05, "beam": 0.1}
+JUDGED = tuple(ORDER_TOLERANCE)
 # Smallest element count whose half-width is judged. Lower ones are outside the asymptotic range.
 _FINE = 5
 

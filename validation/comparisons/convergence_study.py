@@ -28,10 +28,10 @@ from validation.comparisons.convergence_text import (
     size_text,
     summary,
 )
-from validation.comparisons.discretisations import RefinedModel
 from validation.drawing.chart import Chart
 from validation.drawing.style import csv_of, plot_style
 from validation.drawing.text import number
+from validation.models.options import RefinedModel
 from validation.record_fields import json_text
 from validation.studies_and_figures import ElementStudy
 from validation.tables import ResultTable

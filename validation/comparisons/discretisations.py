@@ -5,20 +5,17 @@ order of convergence and labels that follow from it.
 """
 
 from dataclasses import dataclass, replace
-from typing import Literal, TypeAlias
 
 from lumped.legs import Theory
 from lumped.models.segments import Layout
 from validation.models.options import (
-    BEAM_ORDER,
     DEFAULT_OPTIONS,
     LITERAL_ORDER,
-    SEGMENT_ORDER,
+    MODELS,
     Ends,
     ModelOptions,
+    RefinedModel,
 )
-
-RefinedModel: TypeAlias = Literal["segments", "beam", "solid"]
 
 
 @dataclass(frozen=True)
@@ -65,9 +62,9 @@ class Discretisation:
     @property
     def element_order(self) -> float:
         """Formal order of convergence of the frequencies of segments and beams in 1/n."""
-        if self.model == "beam":
-            return BEAM_ORDER
-        return SEGMENT_ORDER if self.layout == "half" else LITERAL_ORDER
+        if self.model == "segments" and self.layout == "literal":
+            return LITERAL_ORDER
+        return MODELS[self.model].order
 
     @property
     def fewest_elements(self) -> int:
@@ -82,8 +79,8 @@ class Discretisation:
         """Name of the formulation in tables and legends, without its theory."""
         if self.model == "solid":
             return f"solid, {self.ends} ends"
-        if self.model == "beam":
-            return "beam FE"
+        if self.model != "segments":
+            return "beam FE" if self.model == "beam" else MODELS[self.model].words
         layouts = {"half": "half-length end springs", "literal": "springs between elements only"}
         return f"segments, {layouts[self.layout]}"
 

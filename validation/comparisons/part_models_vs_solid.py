@@ -26,10 +26,11 @@ from lumped.screws import turn, turn_matrix
 from validation.case import Elsewhere, Measurement, Relation, Relative, UnjudgedValue
 from validation.case_group import CaseGroup
 from validation.comparisons.agreement_cases import MOTIONS
-from validation.comparisons.discretisations import Discretisation, RefinedModel
+from validation.comparisons.discretisations import Discretisation
 from validation.comparisons.element_convergence import MODES
 from validation.context import Context
 from validation.models.leg_models import leg_matrices
+from validation.models.options import RefinedModel
 from validation.models.reduced_parts import identified, is_leg, leg_axes
 from validation.models.stepped_parts import PIECES, stepped
 from validation.solids.solid_legs import SHARED_SOLIDS

@@ -17,10 +17,11 @@ from lumped.mechanism.mechanism import Mechanism, Posture
 from lumped.models.bodies import legs_of
 from lumped.robot_file import RobotFile
 from validation.comparisons.convergence_study import ConvergenceStudy
-from validation.comparisons.discretisations import EULER_BERNOULLI, FORMULATIONS, RefinedModel
+from validation.comparisons.discretisations import EULER_BERNOULLI, FORMULATIONS
 from validation.comparisons.element_convergence import COUNTS, leg_convergence, robot_convergence
 from validation.comparisons.mesh_convergence import DIVISIONS, leg_mesh_convergence
 from validation.context import Context
+from validation.models.options import RefinedModel
 from validation.models.reduced_parts import is_leg
 from validation.models.stepped_parts import PIECES, stepped
 from validation.references.responses import Responses

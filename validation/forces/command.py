@@ -23,6 +23,7 @@ from validation.console.typed import (
     require_writable,
     write,
 )
+from validation.models.options import ModelName
 
 # Dots per inch of the picture.
 _DOTS = 150
@@ -31,7 +32,7 @@ _DOTS = 150
 def forces(
     robot: RobotName,
     *,
-    model: Literal["simplified", "vjm", "links", "segments", "beam", "solid"] = "beam",
+    model: ModelName = "beam",
     load: tuple[str, ...] = (),
     pose: Annotated[tuple[str, ...], Parameter(allow_leading_hyphen=True)] = (),
     path: bool = False,

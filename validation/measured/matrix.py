@@ -28,7 +28,7 @@ from validation.case import failure_reason
 from validation.context import Context
 from validation.measured.modes import Partner, modal_prediction
 from validation.models.leg_models import leg_compliance
-from validation.models.options import STATIC, ModelName, ModelOptions
+from validation.models.options import OF_ELEMENTS, STATIC, ModelName, ModelOptions
 from validation.references.model_ladder import formulation, with_elements
 from validation.references.responses import UNSOLVED, Model, Responses
 from validation.references.robot_on_path import (
@@ -41,8 +41,6 @@ from validation.references.robot_on_path import (
 from validation.uncertainty.mesh_half_widths import MeshPolicy, mesh_half_widths
 from validation.verdicts import Adequacy, Entry, Matrix, ModelNote, worst_of
 
-# Models with elements. All others have no discretisation error.
-_ELEMENT_MODELS = ("segments", "beam")
 # Second order in the element count n: the error of n elements is 4/3 of the change to 2n.
 _DOUBLING = MeshPolicy.of_order(0.5, 2.0, safety=1.0)
 # Ratio to the measured value beyond which a wrong unit (g, millimetres) is more likely than an
@@ -319,7 +317,7 @@ def _comparison(predictions: Predictions, name: str, measured: Measured) -> Comp
         for key, share in predictions.inputs.items()
     ]
     numerical = 0.0
-    if (judged_model := predictions.judged_by_name[name]).kind in _ELEMENT_MODELS:
+    if (judged_model := predictions.judged_by_name[name]).kind in OF_ELEMENTS:
         finer = perturbed(f"{2 * judged_model.options.elements} elements", elements=2)
         # The estimate is the half-width of a 95 % interval.
         numerical = float(mesh_half_widths([np.abs(value - finer)], _DOUBLING)) / COVERAGE

@@ -5,9 +5,10 @@ and mass matrices in leg axes, 6×6 tip compliance, or frequencies in Hz. Legs o
 one stored result.
 """
 
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import partial
-from typing import TypeVar
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 
@@ -20,6 +21,7 @@ from fem.reduction.craig_bampton import craig_bampton
 from fem.reduction.free_modes import free_modes
 from fem.reduction.superelement import HeldLeg, held_leg, static_superelement
 from lumped.arrays import Array, dense
+from lumped.beam_properties import BeamProperties
 from lumped.equivalent_leg import equivalent_leg, sectioned_leg
 from lumped.errors import InputError
 from lumped.legs import (
@@ -64,23 +66,20 @@ Model = TypeVar("Model", bound=BodyModel)
 def leg_matrices(
     model: ModelName, leg: SectionedLeg | SteppedLeg, options: ModelOptions = DEFAULT_OPTIONS
 ) -> LegMatrices:
-    """Stiffness and mass matrix of one unsupported leg by `segments` or `beam`.
+    """Stiffness and mass matrix of one unsupported leg by a model of `ELEMENTS`.
 
     In a stepped leg, all pieces together have `options.elements` elements. Raises InputError for
     any other model.
     """
-    if isinstance(leg, SteppedLeg):
-        return stepped_leg(leg, partial(_piece, model, options, len(leg.pieces)))
-    if model == "segments":
-        return segment_leg(leg_chain(leg, options))
-    if model != "beam":
+    if model not in ELEMENTS:
+        allowed = " or ".join(f'"{name}"' for name in ELEMENTS)
         raise InputError(
             f"model {model}: has no leg matrices that are valid for all frequencies; "
-            'must be "segments" or "beam"'
+            f"must be {allowed}"
         )
-    if isinstance(leg, LineLeg):
-        return line_beam(leg.sections(options.theory), options.elements)
-    return beam_leg(leg.properties(options.theory), leg.length, options.elements)
+    if isinstance(leg, SteppedLeg):
+        return stepped_leg(leg, partial(_piece, model, options, len(leg.pieces)))
+    return ELEMENTS[model].leg(leg, options)
 
 
 def _piece(model: ModelName, options: ModelOptions, count: int, piece: Piece) -> LegMatrices:
@@ -88,9 +87,43 @@ def _piece(model: ModelName, options: ModelOptions, count: int, piece: Piece) ->
     if options.theory == "euler-bernoulli":
         properties = properties.as_euler_bernoulli()
     elements = max(1, round(options.elements / count))
-    if model == "segments":
-        return segment_leg(segment_chain(properties, piece.length, elements, options.layout))
-    return beam_leg(properties, piece.length, elements)
+    return ELEMENTS[model].piece(properties, piece.length, replace(options, elements=elements))
+
+
+def _segment_leg(leg: SectionedLeg, options: ModelOptions) -> LegMatrices:
+    return segment_leg(leg_chain(leg, options))
+
+
+def _segment_piece(properties: BeamProperties, length: float, options: ModelOptions) -> LegMatrices:
+    return segment_leg(segment_chain(properties, length, options.elements, options.layout))
+
+
+def _beam_leg(leg: SectionedLeg, options: ModelOptions) -> LegMatrices:
+    if isinstance(leg, LineLeg):
+        return line_beam(leg.sections(options.theory), options.elements)
+    return beam_leg(leg.properties(options.theory), leg.length, options.elements)
+
+
+def _beam_piece(properties: BeamProperties, length: float, options: ModelOptions) -> LegMatrices:
+    return beam_leg(properties, length, options.elements)
+
+
+class ElementMatrices(NamedTuple):
+    """Functions that return stiffness and mass matrix of an unsupported leg by one model.
+
+    Both divide the leg into `options.elements`. `leg`: from a leg with a section, and its options.
+    `piece`: from section properties and a length (m), for a prismatic piece of a stepped leg.
+    """
+
+    leg: Callable[[SectionedLeg, ModelOptions], LegMatrices]
+    piece: Callable[[BeamProperties, float, ModelOptions], LegMatrices]
+
+
+# Matrices of each model of `OF_ELEMENTS`.
+ELEMENTS: Mapping[ModelName, ElementMatrices] = {
+    "segments": ElementMatrices(_segment_leg, _segment_piece),
+    "beam": ElementMatrices(_beam_leg, _beam_piece),
+}
 
 
 def filled(model: Model) -> Model:

@@ -1,16 +1,27 @@
-"""Names of the models, and the record of the options that select their variants.
+"""Table of the models, and the record of the options that select their variants.
 
-Input: none. Output: `ModelOptions`, with the defaults of the command line and of Python.
+Input: none. Output: names and properties of the models, and `ModelOptions` with the defaults of the
+command line and of Python. Rule: this module imports nothing that is slow to import, because the
+commands take the names of the models from it.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Literal, TypeAlias
+from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias, get_args
 
-from lumped.equivalent_leg import EquivalentBy
-from lumped.legs import Theory
-from lumped.models.segments import Layout, Release
+if TYPE_CHECKING:
+    from lumped.equivalent_leg import EquivalentBy
+    from lumped.legs import Theory
+    from lumped.models.segments import Layout, Release
 
-ModelName: TypeAlias = Literal["simplified", "vjm", "links", "segments", "beam", "solid"]
+# Models without mass, and therefore without frequencies.
+StaticModel: TypeAlias = Literal["vjm", "links"]
+# Models that divide legs into elements. Their matrices are in `validation.models.leg_models`.
+ElementModel: TypeAlias = Literal["segments", "beam"]
+# Models that can be refined, models with frequencies, and all models.
+RefinedModel: TypeAlias = Literal[ElementModel, "solid"]
+ModalModel: TypeAlias = Literal["simplified", RefinedModel]
+ModelName: TypeAlias = Literal["simplified", StaticModel, RefinedModel]
 LegSprings: TypeAlias = Literal["given", "equivalent"]
 Ends: TypeAlias = Literal["rigid", "free"]
 PartLegs: TypeAlias = Literal["equivalent", "stepped", "condensed"]
@@ -33,13 +44,13 @@ class ModelOptions:
     """
 
     legs: LegSprings = "given"
-    theory: Theory = "timoshenko"
+    theory: "Theory" = "timoshenko"
     elements: int = 20
-    release: Release = "condensed"
-    layout: Layout = "half"
+    release: "Release" = "condensed"
+    layout: "Layout" = "half"
     ends: Ends = "rigid"
     divisions: int = 4
-    equivalent: EquivalentBy = "stiffness"
+    equivalent: "EquivalentBy" = "stiffness"
     parts: PartLegs = "equivalent"
     reduction: ReductionBy = "fixed"
 
@@ -48,5 +59,32 @@ DEFAULT_OPTIONS = ModelOptions()
 # Orders of convergence of frequencies in 1/elements: segments with half-length end springs,
 # segments with springs between them only, beams with cubic shape functions.
 SEGMENT_ORDER, LITERAL_ORDER, BEAM_ORDER = 2.0, 1.0, 4.0
-# Models without mass, and therefore without frequencies.
-STATIC: tuple[ModelName, ...] = ("vjm", "links")
+STATIC: tuple[ModelName, ...] = get_args(StaticModel)
+OF_ELEMENTS: tuple[ModelName, ...] = get_args(ElementModel)
+
+
+class ModelProperties(NamedTuple):
+    """Properties of a model.
+
+    `options`: options of the command line that affect it. Any other option is a fault. `words`:
+    name of the model in tables and sentences. `order`: formal order of convergence of its
+    frequencies in 1/elements, for `OF_ELEMENTS` only.
+    """
+
+    options: tuple[str, ...]
+    words: str
+    order: float = 0.0
+
+
+MODELS: Mapping[ModelName, ModelProperties] = {
+    "simplified": ModelProperties((), "simplified"),
+    "vjm": ModelProperties(("legs", "theory", "equivalent"), "VJM"),
+    "links": ModelProperties(("legs", "theory", "equivalent"), "links"),
+    "segments": ModelProperties(
+        ("theory", "elements", "release", "layout", "equivalent", "parts"),
+        "segments",
+        SEGMENT_ORDER,
+    ),
+    "beam": ModelProperties(("theory", "elements", "equivalent", "parts"), "Beam FE", BEAM_ORDER),
+    "solid": ModelProperties(("ends", "divisions", "equivalent", "reduction"), "solid"),
+}

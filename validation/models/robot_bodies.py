@@ -31,7 +31,14 @@ from validation.models.leg_models import (
     leg_matrices,
     reduced_leg,
 )
-from validation.models.options import DEFAULT_OPTIONS, ModelName, ModelOptions, PartLegs
+from validation.models.options import (
+    DEFAULT_OPTIONS,
+    OF_ELEMENTS,
+    STATIC,
+    ModelName,
+    ModelOptions,
+    PartLegs,
+)
 from validation.models.part_legs import part_models, part_springs, require_legs
 from validation.parts.meshes import FINEST
 
@@ -50,7 +57,7 @@ _ALIKE = 1e-9
 # Ratio of the cut-off frequency to the highest frequency of interest, by model. Beams and segments
 # are cheap to reduce well: the error at the highest frequency falls with the seventh power of this
 # factor, to 1e-5 at 2.5 and below 1e-6 at four.
-CUTOFF = {"segments": 4.0, "beam": 4.0, "solid": CUTOFF_FACTOR}
+CUTOFF = {**dict.fromkeys(OF_ELEMENTS, 4.0), "solid": CUTOFF_FACTOR}
 # Total number of unknowns up to which a direct solution is as fast as a reduction.
 FEW = 600
 
@@ -71,9 +78,10 @@ def static_bodies(
     """Matrices of each leg and CAD part for statics, by name of the body.
 
     `model` represents the legs. The unknowns of a body are only the twists of its interfaces, to
-    which it is condensed without an error in statics.
+    which it is condensed without an error in statics. The virtual joint method has the bodies of
+    links.
     """
-    if model == "links":
+    if model in STATIC:
         springs = tip_compliances(mechanism, options.legs, options.theory, options.equivalent)
         part_legs: PartLegs = "equivalent" if options.legs == "equivalent" else "condensed"
         link_options = replace(options, parts=part_legs)

@@ -156,11 +156,14 @@ def mass_notes(responses: Responses, reference: Reference) -> tuple[str, ...]:
     return (f"{note}; upper bounds, with massless legs: {', '.join(bounds)}",)
 
 
-def modal_steps(robot: RobotOnPath, judged: Mapping[str, Model]) -> Steps:
+def modal_steps(
+    robot: RobotOnPath, judged: Mapping[str, Model], orders: Mapping[str, Sequence[str]]
+) -> Steps:
     """Intermediate models between each judged model and the modal reference.
 
-    The result and `judged` have the name of the judged model as key. Each intermediate model
-    removes one cause of error.
+    The result, `judged` and `orders` have the name of the judged model as key. Each intermediate
+    model removes one cause of error. `orders`: names of the steps in `DYNAMIC_STEPS`, from the
+    judged model to the reference.
     """
     beam, parts = judged["beam"], robot.mechanism.parts
     models = {
@@ -176,7 +179,7 @@ def modal_steps(robot: RobotOnPath, judged: Mapping[str, Model]) -> Steps:
         models["modes inside"] = Model("solids on a coarser mesh", modes=_on_middle_mesh)
     if robot.prisms and not robot.given:
         models |= {"own": COMPUTED_BEAMS, "warping": WARPING_BEAMS}
-    return steps_by_model(_LADDERS, DYNAMIC_STEPS, models)
+    return steps_by_model(orders, DYNAMIC_STEPS, models)
 
 
 def _on_twice_as_many(robot: RobotOnPath, reading: Reading) -> PathModes | None:
@@ -226,15 +229,8 @@ DYNAMIC_STEPS: Mapping[str, StepTexts] = {
         "beams with Reissner's torsion and the warping constant Γ of the section",
     ),
 }
-_TO_SOLIDS = ("own", "warping")
-_FROM_BEAMS = (*PART_STEPS, *_TO_SOLIDS)
-_FROM_SEGMENTS = ("twice as many", "beams", *_FROM_BEAMS)
-_LADDERS: Mapping[str, Sequence[str]] = {
-    "simplified": ("drives", *_FROM_BEAMS),
-    "segments": _FROM_SEGMENTS,
-    "beam": _FROM_BEAMS,
-    "segments-euler-bernoulli": ("shear of segments", *_FROM_SEGMENTS),
-    "beam-euler-bernoulli": ("shear of beams", *_FROM_BEAMS),
-    "segments-stepped": ("condensed", *_TO_SOLIDS),
-    "segments-condensed": ("modes inside", *_TO_SOLIDS),
-}
+# Names of steps in `DYNAMIC_STEPS`: from textbook section constants to solids, from beams and from
+# segments to solids.
+MODES_TO_SOLIDS = ("own", "warping")
+MODES_FROM_BEAMS = (*PART_STEPS, *MODES_TO_SOLIDS)
+MODES_FROM_SEGMENTS = ("twice as many", "beams", *MODES_FROM_BEAMS)

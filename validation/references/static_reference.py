@@ -88,11 +88,12 @@ def _reference_title(robot: RobotOnPath) -> str:
     return f"robot assembled from solid legs{legs_text}"
 
 
-def static_steps(robot: RobotOnPath) -> Steps:
+def static_steps(robot: RobotOnPath, orders: Mapping[str, Sequence[str]]) -> Steps:
     """Intermediate models between each judged model and the static reference.
 
-    The result has the name of the judged model as key. Each intermediate model removes one cause of
-    error.
+    The result and `orders` have the name of the judged model as key. Each intermediate model
+    removes one cause of error. `orders`: names of the steps in `STATIC_STEPS`, from the judged
+    model to the reference.
     """
     parts = robot.mechanism.parts
     equivalent = with_parts("equivalent") if parts else EQUIVALENT
@@ -103,7 +104,7 @@ def static_steps(robot: RobotOnPath) -> Steps:
     if robot.prisms:
         models |= {"own": COMPUTED_BEAMS, "warping": WARPING_BEAMS, "contraction": RESTRAINED}
     return steps_by_model(
-        _LADDERS, STATIC_STEPS, models, by=_BY[robot.static_model], static_model=robot.static_model
+        orders, STATIC_STEPS, models, by=_BY[robot.static_model], static_model=robot.static_model
     )
 
 
@@ -143,17 +144,7 @@ STATIC_STEPS: Mapping[str, StepTexts] = {
         "fem.couplings.end_effects, exact along the leg",
     ),
 }
-_TO_SOLIDS = ("own", "warping", "contraction")
-_FROM_CONSTANT = ("diagonal", "couplings", *PART_STEPS, *_TO_SOLIDS)
-_LADDERS: Mapping[str, Sequence[str]] = {
-    "simplified": ("drives", *_TO_SOLIDS),
-    "vjm": _TO_SOLIDS,
-    "links": _TO_SOLIDS,
-    "vjm-equivalent": _FROM_CONSTANT,
-    "segments": _FROM_CONSTANT,
-    "segments-stepped": ("condensed", *_TO_SOLIDS),
-    "segments-condensed": _TO_SOLIDS,
-    "beam": _FROM_CONSTANT,
-    "segments-euler-bernoulli": ("shear", *_FROM_CONSTANT),
-    "beam-euler-bernoulli": ("shear", *_FROM_CONSTANT),
-}
+# Names of steps in `STATIC_STEPS`: from textbook section constants to solids, and from the
+# equivalent prism to solids.
+TO_SOLIDS = ("own", "warping", "contraction")
+FROM_CONSTANT = ("diagonal", "couplings", *PART_STEPS, *TO_SOLIDS)

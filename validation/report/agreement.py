@@ -11,8 +11,10 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from validation.case import UnjudgedValue
+from validation.comparisons.agreement_cases import STATIC_MODELS
 from validation.comparisons.agreement_rows import AgreementRow, agreement_row
 from validation.drawing.text import engineering, number, percent
+from validation.models.options import MODELS
 from validation.report.words import capital, listed, pose_text
 from validation.run.outcome import Outcome, Verdict
 from validation.verdicts import Coordinate
@@ -27,17 +29,14 @@ MARKS: Mapping[Verdict, str] = {
 }
 # Ratios below this are displayed as 0.00 % and are not listed as explained.
 _SMALLEST_SHARE = 5e-5
-MODELS: Mapping[str, str] = {
-    "vjm": "VJM",
-    "links": "Links",
-    "segments": "Segments",
-    "beam": "Beam FE",
+_ROWS: Mapping[str, str] = {
+    **{model: capital(MODELS[model].words) for model in STATIC_MODELS},
     "segments-stepped": "Segments, stepped",
     "beam-stepped": "Beam FE, stepped",
     "condensed": "Condensed",
 }
 # Names of formulations inside a sentence.
-_IN_TEXT: Mapping[str, str] = dict(MODELS) | {"links": "links", "segments": "segments"}
+_IN_TEXT: Mapping[str, str] = {**_ROWS, **{model: MODELS[model].words for model in STATIC_MODELS}}
 
 
 @dataclass(frozen=True)
@@ -360,7 +359,7 @@ def _table(subject: str, outcomes: Sequence[Outcome]) -> AgreementTable:
 
 def _row_name(model: str, elements: int) -> str:
     """Name of the model, with its elements per leg in brackets if it has any: "Beam FE (20)"."""
-    return f"{MODELS[model]} ({elements})" if elements else MODELS[model]
+    return f"{_ROWS[model]} ({elements})" if elements else _ROWS[model]
 
 
 def _unjudged_values(outcome: Outcome) -> tuple[UnjudgedValue, ...]:

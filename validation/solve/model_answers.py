@@ -22,6 +22,7 @@ from validation.context import Context
 from validation.models.loads.forces import load_forces
 from validation.models.loads.pressures import resultants
 from validation.models.loads.stability import bent_legs, gives_way_pressed, stabilities
+from validation.models.options import OF_ELEMENTS
 from validation.models.reduced_parts import free_body_part, with_finer_parts
 from validation.models.robot_models import PostureModes
 from validation.references.responses import Responses
@@ -47,7 +48,7 @@ from validation.solve.cost import (
     require_affordable,
     solid_cost,
 )
-from validation.solve.question import OF_ELEMENTS, Question
+from validation.solve.question import Question
 from validation.solve.solved_model import solved_model
 from validation.solve.uncertainty import (
     SolvedQuestion,

@@ -15,21 +15,10 @@ from lumped.mechanism.mechanism import GROUND, Mechanism, Posture
 from lumped.models.bodies import legs_of
 from lumped.robot_file import RobotFile
 from validation.kinematics.poses import parsed_pose
-from validation.models.options import STATIC, ModelName, ModelOptions
+from validation.models.options import MODELS, STATIC, ModelName, ModelOptions
 from validation.models.robot_bodies import sectioned_legs
 from validation.uncertainty.refinement import accuracy_faults
 
-# Options that affect each model. Any other option on the command line is a fault.
-OPTIONS: dict[ModelName, tuple[str, ...]] = {
-    "simplified": (),
-    "vjm": ("legs", "theory", "equivalent"),
-    "links": ("legs", "theory", "equivalent"),
-    "segments": ("theory", "elements", "release", "layout", "equivalent", "parts"),
-    "beam": ("theory", "elements", "equivalent", "parts"),
-    "solid": ("ends", "divisions", "equivalent", "reduction"),
-}
-# Models with elements, which are solved with dense matrices.
-OF_ELEMENTS: tuple[ModelName, ...] = ("segments", "beam")
 DEFAULT_MODES = 6
 # Largest number of modes. Beams get enough elements for them, and are solved dense.
 _LARGEST_COUNT = 1000
@@ -152,7 +141,7 @@ class Question:
 
     def _allowed(self) -> tuple[str, ...]:
         # Eq. (25) as printed is defined for the paper's kind of robot only.
-        return tuple(n for n in OPTIONS[self.model] if self.numbered or n != "release")
+        return tuple(n for n in MODELS[self.model].options if self.numbered or n != "release")
 
     def _place_faults(self) -> list[str]:
         """Faults due to poses or legs that a robot file of this schema cannot have."""

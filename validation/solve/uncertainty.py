@@ -21,7 +21,7 @@ from lumped.mechanism.mechanism import Posture
 from lumped.sections import Rectangle, Section
 from meshes.section.section_blocks import element_count
 from validation.models.leg_models import leg_compliance, leg_modes
-from validation.models.options import ModelOptions
+from validation.models.options import OF_ELEMENTS, ModelOptions
 from validation.models.reduced_parts import ReducedPart, has_specified_couplings
 from validation.models.robot_models import answers, mechanism_modes
 from validation.parts.meshes import LEVELS
@@ -33,7 +33,7 @@ from validation.responses.statics_and_modes import Statics
 from validation.solids.leg_meshes import formal_order, section_of
 from validation.solids.solid_legs import GRIDS_FOR_ORDER, ROUND_OFF
 from validation.solve.answer import HalfWidths, MeshUncertainty, PartUncertainty
-from validation.solve.question import OF_ELEMENTS, Question
+from validation.solve.question import Question
 from validation.solve.solved_model import SolvedModes, leg_alone, solved_model
 from validation.uncertainty.combiners import Combiner, half_widths_by, relative_sizes
 from validation.uncertainty.grid_convergence import richardson_limits

@@ -74,7 +74,8 @@ def test_load_and_peak_errors_match_solve(arm, subject):
     sizes = dict(zip(OF_LOADS, np.linalg.norm(due, axis=2).T, strict=True))
     largest = dict.fromkeys((*OF_LOADS, *OF_HIT), 0.0)
     for model in ("simplified", "vjm", "segments", "beam", "beam-euler-bernoulli"):
-        kind, _, options = judged_models(arm.mechanism)[model]
+        judged = judged_models(arm.mechanism)[model]
+        kind, options = judged.kind, judged.options
         solved_displacements = displacements(kind, postures, options)[:, :, :3]
         shares = np.linalg.norm(solved_displacements - due, axis=2) / np.linalg.norm(due, axis=2)
         errors = dict(zip(OF_LOADS, shares.T, strict=True))

@@ -28,6 +28,7 @@ from validation import cli
 from validation.adequacy.judgement import REST, verdict_matrix
 from validation.adequacy.robot_verdicts import finer_context, leg_subject, robot_adequacy
 from validation.context import Context
+from validation.models.options import MODELS
 from validation.references import model_ladder, modes_on_path
 from validation.references.modal_reference import DYNAMIC_STEPS
 from validation.references.reference import (
@@ -44,7 +45,6 @@ from validation.references.static_reference import STATIC_STEPS
 from validation.responses.statics_and_modes import Statics
 from validation.solids.leg_meshes import COARSEST_WALLS
 from validation.solids.solid_size import larger_preset
-from validation.solve.question import OPTIONS
 from validation.verdicts import Coordinate
 
 pytestmark = pytest.mark.usefixtures("coarse_legs")
@@ -259,13 +259,13 @@ def test_remedy_is_valid_input_of_solve(remedy):
     assert used == [remedy.model] * bool(remedy.model)
     models = used or [
         model
-        for model, valid_options in OPTIONS.items()
-        if options and options <= set(valid_options)
+        for model, properties in MODELS.items()
+        if options and options <= set(properties.options)
     ]
     assert models
     for model in models:
         solve_options = options_taken(remedy.text, "solve", "ifw", "--model", model)
-        assert solve_options.keys() <= set(OPTIONS[model])
+        assert solve_options.keys() <= set(MODELS[model].options)
 
 
 @pytest.mark.parametrize("remedy_text", [FINER_PARTS, finer_by(FINER)])

@@ -92,7 +92,8 @@ def static_errors(robot, ends):
     places = placed_at(robot, *stations(robot, POSTURES))
     due = [serial_chains.compliance(posture, springs) for posture in places]
     compliances = {
-        name: model_statics(places, JUDGED[name][0], JUDGED[name][2]).compliances for name in MODELS
+        name: model_statics(places, JUDGED[name].kind, JUDGED[name].options).compliances
+        for name in MODELS
     }
     return {
         (name, quantity): np.array(

@@ -79,8 +79,7 @@ def _assembly(model: ModelName, postures: Sequence[Posture], options: ModelOptio
     mechanism = postures[0].mechanism
     if model == "simplified":
         return assembly(on_drives_alone(mechanism), {})
-    # The virtual joint method has the statics of links.
-    bodies = static_bodies("links" if model == "vjm" else model, mechanism, options)
+    bodies = static_bodies(model, mechanism, options)
     return assembly(released(postures, options)[0].mechanism, bodies)
 
 

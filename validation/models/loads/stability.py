@@ -102,8 +102,7 @@ def prestressed_assembly(
     mechanism = postures[0].mechanism
     if model == "simplified":
         return assembly(on_drives_alone(mechanism), {}), {}
-    # The virtual joint method has the same statics as links.
-    body_models = static_bodies("links" if model == "vjm" else model, mechanism, options)
+    body_models = static_bodies(model, mechanism, options)
     bodies = {name: filled(body) for name, body in body_models.items()}
     legs: dict[str, Prestressed] = {}
     for name, leg, _ in sectioned_legs(mechanism, options):

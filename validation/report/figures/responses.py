@@ -75,8 +75,8 @@ def _measured(context: Context) -> Chart:
     measured = test.responses[number]
     x = measured.frequencies[measured.frequencies <= _FREQUENCY_FACTOR * test.frequencies.max()]
     receptances = {"measured response": measured.receptance[: len(x)]}
-    for name, (model, _, options) in judged_models(robot).items():
-        responses = modal_prediction(model, robot, test, options).responses
+    for name, model in judged_models(robot).items():
+        responses = modal_prediction(model.kind, robot, test, model.options).responses
         if responses and (receptance := responses[number].receptance(x)).any():
             receptances[name] = receptance
     pose = shown_pose(robot, np.array(test.pose))
