@@ -4,8 +4,9 @@ Input: the name of a robot file, a pose or a body, and a format. Output: a file 
 model.
 """
 
+from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal, TypeAlias
+from typing import TYPE_CHECKING, Annotated, Literal, NamedTuple, TypeAlias
 
 from cyclopts import Parameter
 
@@ -26,7 +27,27 @@ if TYPE_CHECKING:
     from lumped.robot_file import RobotFile
 
 Kind: TypeAlias = Literal["exudyn", "simscape", "nastran", "statespace", "npz"]
-_ENDINGS = {"exudyn": ".py", "nastran": ".bdf", "simscape": ".mat"}
+
+
+class Format(NamedTuple):
+    """Properties of an output format. Its content is in `validation.export.formats`.
+
+    `endings`: allowed suffixes of the file, the first of which is the default. `subject`: what the
+    format can contain. `extra`: optional extra of flexproof that it needs, "" if none.
+    """
+
+    endings: tuple[str, ...]
+    subject: Literal["body", "robot", "body or robot"] = "body or robot"
+    extra: str = ""
+
+
+FORMATS: Mapping[Kind, Format] = {
+    "exudyn": Format((".py",)),
+    "simscape": Format((".mat",), "body"),
+    "nastran": Format((".bdf",), "body", extra="nastran"),
+    "statespace": Format((".npz", ".mat"), "robot"),
+    "npz": Format((".npz",)),
+}
 # More modes than any reduction contains.
 _MOST_MODES = 200
 
@@ -88,30 +109,29 @@ def write_export(
 
     if not 1 <= modes <= _MOST_MODES:
         raise InputError(f"--modes {modes}: must be from 1 to {_MOST_MODES}")
-    if body is None and to in {"simscape", "nastran"}:
+    output = FORMATS[to]
+    if body is None and output.subject == "body":
         raise InputError(f"--to {to}: exports one body; name it with --body")
-    if body is not None and (to == "statespace" or pose is not None):
-        option = "--to statespace" if to == "statespace" else "--pose"
+    if body is not None and (output.subject == "robot" or pose is not None):
+        option = f"--to {to}" if output.subject == "robot" else "--pose"
         raise InputError(
             f"--body: not with {option}, which exports the whole robot; leave --body out"
         )
-    if to == "nastran":
-        require_extra("nastran", "--to nastran")
+    if output.extra:
+        require_extra(output.extra, f"--to {to}")
     robot_file = load_robot(robot) if isinstance(robot, str) else robot
     mechanism = robot_file.mechanism
     if body is not None and body not in mechanism.bodies:
         raise InputError(f"--body {body}: must be one of {', '.join(mechanism.bodies)}")
-    ending = _ENDINGS.get(to, ".npz")
     name_parts = [
         Path(robot_file.source).stem,
         *([body] if body else []),
-        *(["statespace"] if to == "statespace" else []),
+        *([to] if output.subject == "robot" else []),
     ]
-    path = out or Path(".".join(name_parts) + ending)
-    if to == "statespace" and path.suffix == ".mat":
-        ending = ".mat"
-    if path.suffix != ending:
-        raise InputError(f"--out {path}: must end in {ending}")
+    path = out or Path(".".join(name_parts) + output.endings[0])
+    ending = path.suffix
+    if ending not in output.endings:
+        raise InputError(f"--out {path}: must end in {' or '.join(output.endings)}")
     require_writable(path, ending, force=force)
     with stage("meshing and reducing", _seconds(mechanism, body, modes)):
         content = in_own_process(_content, robot_file, to, pose, body, modes, ending)
@@ -151,16 +171,8 @@ def _content(
         robot_posture = posture(mechanism, parsed_pose(mechanism, pose))
     if body is not None:
         highest = highest_frequency([robot_posture], count)
-        matrices = reduced.reduced_body(mechanism, body, highest)
-    else:
-        robot = reduced.reduced_robot(robot_posture, count)
-        if to == "statespace":
-            return formats.as_statespace(robot, ending)
-        matrices = robot.matrices
-    encoders = {
-        "npz": formats.as_npz,
-        "exudyn": formats.as_exudyn,
-        "simscape": formats.as_simscape,
-        "nastran": formats.as_nastran,
-    }
-    return encoders[to](matrices)
+        return formats.OF_BODIES[to](reduced.reduced_body(mechanism, body, highest))
+    robot = reduced.reduced_robot(robot_posture, count)
+    if to in formats.OF_ROBOTS:
+        return formats.OF_ROBOTS[to](robot, ending)
+    return formats.OF_BODIES[to](robot.matrices)

@@ -4,7 +4,7 @@ Input: a `Reduced` or `ReducedRobot`. Output: bytes of a .npz, .py (EXUDYN), .ma
 (Nastran) or state-space file, in SI units.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from io import BytesIO, StringIO
 
 import numpy as np
@@ -170,6 +170,17 @@ def as_statespace(robot: ReducedRobot, kind: str) -> bytes:
         "about": np.array(f"{reduced.name}: {reduced.about}; SI units"),
     }
     return _npz(arrays) if kind == ".npz" else _mat(arrays)
+
+
+# Functions that return the content of a file, by name of the format: from matrices of a body or of
+# the robot, and from the robot's state and the suffix of the file.
+OF_BODIES: Mapping[str, Callable[[Reduced], bytes]] = {
+    "npz": as_npz,
+    "exudyn": as_exudyn,
+    "simscape": as_simscape,
+    "nastran": as_nastran,
+}
+OF_ROBOTS: Mapping[str, Callable[[ReducedRobot, str], bytes]] = {"statespace": as_statespace}
 
 
 def _arrays(reduced: Reduced) -> dict[str, Array]:
