@@ -9,10 +9,8 @@ from dataclasses import replace
 from validation.case import Skip
 from validation.comparisons.convergence_cases import FIGURE, GROUP, study_of, subjects
 from validation.comparisons.convergence_chart import ErrorPanel, convergence_chart
-from validation.comparisons.convergence_study import (
-    X_LABELS,
-    ConvergenceStudy,
-)
+from validation.comparisons.convergence_study import ConvergenceStudy
+from validation.comparisons.discretisations import PARAMETERS
 from validation.context import Context
 from validation.drawing.chart import Chart
 from validation.drawing.figures import FigureGroup
@@ -39,7 +37,7 @@ def element_convergence(context: Context) -> Chart:
     drawn = [name for name in _ROWS if any(_has_errors(study, name) for study in studies)]
     panels: list[ErrorPanel] = [study.panel(name) for name in drawn for study in studies]
     limits = context.robot_file.agreement
-    chart = convergence_chart(panels, X_LABELS["elements"], limits, columns=len(studies))
+    chart = convergence_chart(panels, PARAMETERS["elements"].axis, limits, columns=len(studies))
     captioned = chart.captioned(*_caption(studies, len(bodies) - 1 - len(legs)))
     records = [record for body in bodies for record in study_of(context, body).studies()]
     return replace(captioned, studies=records)

@@ -28,6 +28,7 @@ from validation.comparisons.convergence_text import (
     size_text,
     summary,
 )
+from validation.comparisons.discretisations import PARAMETERS
 from validation.drawing.chart import Chart
 from validation.drawing.style import csv_of, plot_style
 from validation.drawing.text import number
@@ -40,8 +41,6 @@ from validation.uncertainty.grid_convergence import COARSE_COUNT
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-REFINED = {"elements": "element count", "divisions": "mesh"}
-X_LABELS = {"elements": "elements per leg", "divisions": "divisions across the section"}
 # Smallest ratio of errors that is visible in a figure over eight decades.
 _VISIBLE = 1.5
 # Relative errors too small to be visible in the figure.
@@ -84,8 +83,12 @@ class ConvergenceStudy:
     units: tuple[str, ...]
     reference: str
     series: tuple[ConvergenceSeries, ...]
-    refined: Literal["elements", "divisions"] = "elements"
     agreement: AgreementLimits = DEFAULT_LIMITS
+
+    @property
+    def refined(self) -> str:
+        """Parameter over which the errors are shown: "elements", or "divisions" of a mesh."""
+        return self.series[0].discretisation.refined if self.series else "elements"
 
     @property
     def title(self) -> str:
@@ -197,9 +200,9 @@ class ConvergenceStudy:
     def stated_count(self, series: ConvergenceSeries) -> int:
         """Element count at which the error is judged.
 
-        For solids, the divisions of the finest mesh.
+        For any other parameter, such as the divisions of a mesh, its largest value.
         """
-        return series.counts[-1] if self.refined == "divisions" else self.agreement.elements
+        return self.agreement.elements if self.refined == "elements" else series.counts[-1]
 
     @property
     def _stated(self) -> int | None:
@@ -297,7 +300,7 @@ class ConvergenceStudy:
         """
         column = self.column(quantity)
         lines = [
-            f"{self.robot}, {self.title}: convergence with {REFINED[self.refined]}",
+            f"{self.robot}, {self.title}: convergence with {PARAMETERS[self.refined].heading}",
             f"errors relative to the {self.reference}",
         ]
         for series in self.series:
@@ -317,13 +320,14 @@ class ConvergenceStudy:
         """Entries of "studies" in results.json, one for each quantity."""
         counts = sorted({count for series in self.series for count in series.counts})
         by_label = {series.discretisation.label: series for series in self.series}
+        parameter = PARAMETERS[self.refined]
         return tuple(
             ElementStudy(
                 id=f"convergence.{self.subject or 'robot'}.{quantity}",
                 body=self.subject or None,
                 quantity=quantity,
-                title=f"{self.title}: {quantity}, convergence with {REFINED[self.refined]}",
-                x_label=X_LABELS[self.refined],
+                title=f"{self.title}: {quantity}, convergence with {parameter.heading}",
+                x_label=parameter.axis,
                 y_label=quantity,
                 unit=self.units[k],
                 x=tuple(counts),
@@ -382,9 +386,7 @@ class ConvergenceStudy:
                 reference=self.reference,
                 quantities=self.quantities,
                 units=dict(zip(self.quantities, self.units, strict=True)),
-                series=[
-                    series_record(series, self.quantities, self.refined) for series in self.series
-                ],
+                series=[series_record(series, self.quantities) for series in self.series],
             )
         )
 
@@ -418,7 +420,7 @@ class ConvergenceStudy:
         []
         """
         lines: list[str] = []
-        if within is None and self.refined == "divisions":
+        if within is None and self.refined != "elements":
             return lines
         allowed = self.agreement.convergence if within is None else within
         for series in self.series:
@@ -507,7 +509,7 @@ class ConvergenceStudy:
         Raises InputError for a quantity that the study does not contain.
         """
         panels = [self.panel(quantity) for quantity in quantities]
-        return convergence_chart(panels, X_LABELS[self.refined], self.agreement)
+        return convergence_chart(panels, PARAMETERS[self.refined].axis, self.agreement)
 
     def panel(self, quantity: str) -> ErrorPanel:
         """Error curves of one quantity.

@@ -4,7 +4,7 @@ Input: a `ConvergenceSeries` and the column of a quantity. Output: lines of text
 """
 
 from collections.abc import Mapping, Sequence
-from typing import Any, Literal
+from typing import Any
 
 import msgspec
 import numpy as np
@@ -119,15 +119,14 @@ def _stated_error(series: ConvergenceSeries, column: int, stated: int | None) ->
     return _percent(series.errors[series.counts.index(stated), column])
 
 
-def series_record(
-    series: ConvergenceSeries, quantities: Sequence[str], refined: Literal["elements", "divisions"]
-) -> SeriesRecord:
+def series_record(series: ConvergenceSeries, quantities: Sequence[str]) -> SeriesRecord:
     """JSON object of the series.
 
-    `quantities` are the names of the q quantities of the series, in order. `refined` is the JSON
-    key of the counts: elements of a leg, or divisions of a solid's mesh.
+    `quantities` are the names of the q quantities of the series, in order. The JSON key of the
+    counts is the refined parameter: elements of a leg, or divisions of a solid's mesh.
     """
     discretisation = series.discretisation
+    counts: dict[str, Any] = {discretisation.refined: series.counts}
 
     def by_quantity(values: Array) -> dict[str, Any]:
         return dict(zip(quantities, finite_items(values.T), strict=True))
@@ -142,7 +141,7 @@ def series_record(
         layout=discretisation.layout,
         theory=discretisation.theory,
         formal_order=series.formal_order,
-        **{refined: series.counts},
+        **counts,
         values=by_quantity(series.values),
         errors=by_quantity(series.errors),
         half_widths=half_widths,

@@ -4,7 +4,9 @@ Input: the formulation's name and numbers. Output: a `Discretisation` with the m
 order of convergence and labels that follow from it.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 from lumped.legs import Theory
 from lumped.models.segments import Layout
@@ -16,6 +18,24 @@ from validation.models.options import (
     ModelOptions,
     RefinedModel,
 )
+
+
+class Parameter(NamedTuple):
+    """Parameter of a discretisation over which a study shows convergence.
+
+    `heading`: its name in headings, as in "convergence with element count". `axis`: label of the
+    axis of its values.
+    """
+
+    heading: str
+    axis: str
+
+
+# Parameters by the field of `Discretisation` that has the value.
+PARAMETERS: Mapping[str, Parameter] = {
+    "elements": Parameter("element count", "elements per leg"),
+    "divisions": Parameter("mesh", "divisions across the section"),
+}
 
 
 @dataclass(frozen=True)
@@ -49,15 +69,19 @@ class Discretisation:
         )
 
     @property
+    def refined(self) -> str:
+        """Parameter in `PARAMETERS` that a convergence study changes."""
+        return "divisions" if self.model == "solid" else "elements"
+
+    @property
     def count(self) -> int:
-        """Element count, or divisions for a solid."""
-        return self.divisions if self.model == "solid" else self.elements
+        """Value of the parameter `refined`: element count, or divisions for a solid."""
+        count: int = getattr(self, self.refined)
+        return count
 
     def with_count(self, count: int) -> "Discretisation":
-        """Copy with another element count, or with other divisions for a solid."""
-        if self.model == "solid":
-            return replace(self, divisions=count)
-        return replace(self, elements=count)
+        """Copy with another value of the parameter `refined`."""
+        return replace(self, **{self.refined: count})
 
     @property
     def element_order(self) -> float:

@@ -70,7 +70,6 @@ def leg_mesh_convergence(
             _series(leg, solid, counts, np.array(list(map(discretised.values, row))))
             for solid, row in zip(discretisations, meshes, strict=True)
         ),
-        refined="divisions",
     )
 
 
