@@ -6,7 +6,7 @@ order of convergence and labels that follow from it.
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from lumped.legs import Theory
 from lumped.models.segments import Layout
@@ -81,7 +81,8 @@ class Discretisation:
 
     def with_count(self, count: int) -> "Discretisation":
         """Copy with another value of the parameter `refined`."""
-        return replace(self, **{self.refined: count})
+        parameters: dict[str, Any] = {self.refined: count}
+        return replace(self, **parameters)
 
     @property
     def element_order(self) -> float:
