@@ -350,6 +350,11 @@ def is_bent(leg: Leg) -> bool:
     return isinstance(leg, LineLeg) and not leg.line.is_straight
 
 
+def line_length(leg: Leg) -> float:
+    """Length (m) of the centre line of a leg, from its root to its tip."""
+    return leg.line.length if isinstance(leg, LineLeg) else float(leg.length)
+
+
 def sectioned_compliance(leg: SectionedLeg, theory: Theory) -> Array:
     """6×6 tip compliance (SI, leg axes) of a leg with sections, by the beam theory `theory`."""
     if isinstance(leg, LineLeg):

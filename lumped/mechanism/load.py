@@ -15,7 +15,7 @@ _ROUND_OFF = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class LineLoad:
-    """A distributed load along a leg between `start` and `stop` (m from its root).
+    """A distributed load along a leg between `start` and `stop` (m along its line from the root).
 
     `first` and `last` (6 values each, in N/m and N m/m, leg axes) are the forces and moments per
     length at `start` and at `stop`, about the line of centroids. Between `start` and `stop` the
@@ -163,8 +163,8 @@ class Loading:
     `point_wrenches` act at points. `body_wrenches` represent gravity, inertia forces, loads along
     legs and pressures by wrenches on the interfaces of the bodies. `rotor_forces` are forces (N) or
     moments (N m) on the rotors of drives along the coordinates of their joints, by joint name.
-    `line_loads` contains, by name of the leg, the distributed loads along legs that
-    `body_wrenches` represent (leg axes).
+    `line_loads` contains, by name of the leg, the distributed loads along straight legs that
+    `body_wrenches` represent (leg axes). Section forces are computed for straight legs only.
     """
 
     point_wrenches: Sequence[AppliedWrench]

@@ -12,6 +12,7 @@ import numpy as np
 from lumped.acceptance.quantities import TEST_RESPONSE
 from lumped.arrays import Array
 from lumped.errors import InputError, collect_faults
+from lumped.legs import is_bent, line_length
 from lumped.mechanism.body import Rigid
 from lumped.mechanism.kinematics.postures import shown_pose
 from lumped.mechanism.load import AppliedLine, Excitation, LineLoad, Load, Pressure
@@ -109,7 +110,7 @@ def _motion_faults(vector: Triple | None, key: str, robot: Mechanism) -> Iterato
 
 def _line_of(line: LineEntry, robot: Mechanism) -> AppliedLine:
     """Distributed load along a leg, from a table without faults."""
-    length = float(legs_of(robot)[line.leg].length)
+    length = line_length(legs_of(robot)[line.leg])
     first = np.array(line.wrench)
     last = first if line.end_wrench is None else np.array(line.end_wrench)
     start, stop = line.from_ or 0.0, length if line.to is None else line.to
@@ -125,16 +126,18 @@ def _line_faults(line: LineEntry, key: str, robot: Mechanism) -> Iterator[str]:
     if leg is None:
         advice = did_you_mean(line.leg, legs, otherwise=f": {', '.join(legs) or 'none'}")
         yield (
-            f"{key}.leg = {shown(line.leg)}: must be a leg of constant section, or with a "
+            f"{key}.leg = {shown(line.leg)}: must be a leg with a section, or with a "
             f"6×6 compliance{advice}"
         )
         return
-    start, stop = line.from_ or 0.0, leg.length if line.to is None else line.to
+    length = line_length(leg)
+    start, stop = line.from_ or 0.0, length if line.to is None else line.to
     lengths = robot.lengths
-    if stop > leg.length * (1.0 + _ROUND_OFF):
+    if stop > length * (1.0 + _ROUND_OFF):
+        along = " along its line" if is_bent(leg) else ""
         yield (
-            f"{key}.to = {lengths.of(stop)!r}: must be at most the leg's length, "
-            f"{lengths.shown(leg.length)}"
+            f"{key}.to = {lengths.of(stop)!r}: must be at most the leg's length{along}, "
+            f"{lengths.shown(length)}"
         )
     elif start >= stop:
         yield f"{key}.from = {lengths.of(start)!r}: must be below {lengths.shown(stop)}, its end"

@@ -11,14 +11,15 @@ from collections.abc import Sequence
 import numpy as np
 
 from lumped.arrays import Array
-from lumped.beam_properties import BeamProperties, tip_compliance
+from lumped.beam_properties import BeamProperties
+from lumped.line_sections import TOGETHER, LineSections, cumulative, gauss_points
 from lumped.mechanism.kinematics.accelerations import Motion
 from lumped.mechanism.load import LineLoad
 from lumped.screws import shift
 
 _ALONG = np.array([1.0, 0.0, 0.0])
-# Number of Gauss points: exact for the cubic displacement of the tip times a linear load.
-_POINTS = 3
+# Number of elements in each span: they halve a taper within the reach of one quadrature.
+_HALVINGS = 4
 
 
 def section_forces(root: Array, loads: Sequence[LineLoad], stations: Array) -> Array:
@@ -39,25 +40,36 @@ def section_forces(root: Array, loads: Sequence[LineLoad], stations: Array) -> A
     return np.hstack([-root[:3] - total[:, :3], moments])
 
 
-def end_wrenches(properties: BeamProperties, length: float, load: LineLoad) -> Array:
-    """Wrenches (2×6, leg axes) on root and tip of a uniform leg that represent a load along it.
+def end_wrenches(sections: LineSections, load: LineLoad) -> Array:
+    """Wrenches (2×6, leg axes) on root and tip of a leg that represent a load along it.
 
-    They are opposite to the reactions of clamped ends, so that displacements of the ends are exact.
-    They are computed as follows. If the root is clamped, a wrench w at x moves the tip by X C(x) w,
-    with the compliance C(x) of the part before x and the transformation X of twists to the tip. The
-    wrench on the tip causes the same displacement of the tip as the load. The wrench on the root
-    follows from equilibrium.
+    They are opposite to the reactions of clamped ends, so that displacements of the ends are exact
+    for every taper, step, corner and arc. If only the root is clamped, the section at s carries the
+    wrench W(s) of the part of the load beyond s. The tip then moves by ∫ X F Xᵀ W ds, as in
+    `lumped.line_sections`. The wrench on the tip causes the same displacement as the load. The
+    wrench on the root follows from equilibrium.
     """
-    points, shares = np.polynomial.legendre.leggauss(_POINTS)
-    half = 0.5 * (load.stop - load.start)
-    stations = load.start + half * (1.0 + points)
-    root, displacement = np.zeros(6), np.zeros(6)
-    for x, share, wrench in zip(stations, half * shares, load.per_length(stations), strict=True):
-        tip_twist = tip_compliance(properties, x) @ wrench
-        displacement += share * shift((length - x) * _ALONG) @ tip_twist
-        root += share * shift(x * _ALONG).T @ wrench
-    tip = np.linalg.solve(tip_compliance(properties, length), displacement)
-    return np.array([root - shift(length * _ALONG).T @ tip, tip])
+    tip = sections.line.chord * _ALONG
+    halved = sections.edges(_HALVINGS * (len(sections.ends) - 1))
+    edges = np.union1d(halved, np.clip([load.start, load.stop], 0.0, sections.ends[-1]))
+    edges = edges[np.r_[True, np.diff(edges) > TOGETHER * sections.ends[-1]]]
+    lengths, middles = np.diff(edges), 0.5 * (edges[1:] + edges[:-1])
+    points, weights = gauss_points()
+    stations = middles[:, None] + 0.5 * lengths[:, None] * points
+    per_length = load.per_length(stations.ravel()).reshape(*stations.shape, 6)
+    per_length[(middles < load.start) | (middles > load.stop)] = 0.0
+    field = sections.along(edges)
+    to_tip = shift(tip - field.points)
+    at_tip = np.einsum("egji,egj->egi", shift(field.points - tip), per_length)
+    integral = 0.5 * lengths[:, None] * weights
+    of_elements = np.einsum("eg,egi->ei", integral, at_tip)
+    before = np.cumsum(of_elements, axis=0) - of_elements
+    total = of_elements.sum(axis=0)
+    beyond = total - before[:, None] - cumulative(at_tip, lengths)
+    strained = np.einsum("egij,egkj,egk->egi", field.flexibility, to_tip, beyond)
+    displacement = np.einsum("eg,egij,egj->i", integral, to_tip, strained)
+    on_tip = np.linalg.solve(sections.tip_compliance, displacement)
+    return np.array([shift(tip).T @ (total - on_tip), on_tip])
 
 
 def inertia_load(properties: BeamProperties, length: float, motion: Motion) -> LineLoad:

@@ -16,6 +16,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from lumped.arrays import Array
+from lumped.beam_properties import prism_sections
 from lumped.equivalent_leg import equivalent_leg
 from lumped.errors import ComputationError, InputError
 from lumped.legs import (
@@ -27,6 +28,7 @@ from lumped.legs import (
     Theory,
     is_bent,
 )
+from lumped.line_sections import LineSections
 from lumped.mechanism.body import Rigid
 from lumped.mechanism.free_twists import drive_in, free_twists, interface_position
 from lumped.mechanism.joint import Joint, Side
@@ -67,9 +69,13 @@ def loading(
     body_wrenches: list[AppliedWrench] = []
     line_loads: dict[str, list[LineLoad]] = {}
     for line in load.lines:
-        along = _along_leg(posture, line)
-        line_loads.setdefault(line.leg, []).append(along)
-        body_wrenches += _on_ends(posture, line.leg, along, theory)
+        leg, along = mechanism.bodies[line.leg].shape, _along_leg(posture, line)
+        if not isinstance(leg, ConstantLeg | GivenLeg | LineLeg):
+            raise InputError(f"bodies.{line.leg}: a distributed load needs a leg")
+        if not is_bent(leg):
+            line_loads.setdefault(line.leg, []).append(along)
+        wrenches = end_wrenches(_sections(leg, theory), along)
+        body_wrenches += _on_interfaces(posture, line.leg, wrenches)
     for on_faces in load.pressures:
         unit = bodies.unit_pressures[on_faces.body, on_faces.faces]
         body_wrenches += _on_interfaces(posture, on_faces.body, on_faces.pressure * unit)
@@ -125,24 +131,23 @@ def _along_leg(posture: Posture, line: AppliedLine) -> LineLoad:
     return line.load.in_axes(rotation) if line.in_base else line.load
 
 
-def _on_ends(posture: Posture, name: str, line: LineLoad, theory: Theory) -> list[AppliedWrench]:
-    """Wrenches (base axes) on the ends of leg `name` that represent a load along it.
+def _sections(leg: Leg, theory: Theory) -> LineSections:
+    """Sections along a leg by the beam theory `theory`.
 
-    They are computed by the beam theory `theory`. Raises InputError for a leg whose section varies
-    or whose centre line is bent.
+    Euler–Bernoulli theory is used for a section that has no Timoshenko beam. A leg known by its 6×6
+    has the sections of its equivalent prism.
     """
-    body = posture.mechanism.bodies[name]
-    if not isinstance(body.shape, ConstantLeg | GivenLeg):
-        raise InputError(
-            f"bodies.{name}: a distributed load needs a leg of constant section, or one that is "
-            "specified by a 6×6 compliance"
-        )
-    leg = equivalent_leg(body.shape)
     try:
-        properties = leg.properties(theory)
+        return _sections_by(leg, theory)
     except NoBeamTheoryError:
-        properties = leg.properties("euler-bernoulli")
-    return _on_interfaces(posture, name, end_wrenches(properties, leg.length, line))
+        return _sections_by(leg, "euler-bernoulli")
+
+
+def _sections_by(leg: Leg, theory: Theory) -> LineSections:
+    if isinstance(leg, LineLeg):
+        return leg.sections(theory)
+    prism = equivalent_leg(leg)
+    return prism_sections(prism.properties(theory), prism.length)
 
 
 def _on_interfaces(posture: Posture, name: str, wrenches: Array) -> list[AppliedWrench]:

@@ -5,6 +5,7 @@ import pytest
 from support.robots.robot_from_text import described
 
 from fem.beams.beam import beam_leg
+from lumped.beam_properties import prism_sections
 from lumped.errors import InputError
 from lumped.legs import ConstantLeg, Material
 from lumped.mechanism.kinematics.postures import posture, reference_posture
@@ -148,10 +149,10 @@ def test_uniform_load_has_fixed_end_wrenches():
     fixed_end_wrenches.append([0, 0, q * LENGTH / 2, 0, q * LENGTH**2 / 12, 0])
     for properties in (LEG, LEG.as_euler_bernoulli()):
         np.testing.assert_allclose(
-            end_wrenches(properties, LENGTH, load), fixed_end_wrenches, atol=1e-11
+            end_wrenches(prism_sections(properties, LENGTH), load), fixed_end_wrenches, atol=1e-11
         )
     half = LineLoad(0.0, LENGTH / 2.0, load.first, load.last)
-    wrenches = end_wrenches(LEG.as_euler_bernoulli(), LENGTH, half)
+    wrenches = end_wrenches(prism_sections(LEG.as_euler_bernoulli(), LENGTH), half)
     forces = np.array([13.0, 3.0]) * q * LENGTH / 32.0
     moments = np.array([-11.0, 5.0]) * q * LENGTH**2 / 192.0
     np.testing.assert_allclose(wrenches[:, 2], forces, rtol=1e-11)
@@ -179,7 +180,7 @@ def test_base_axes_load_keeps_direction():
 
 FAULTS = {
     "leg = 'arms', wrench = [0, 1, 0, 0, 0, 0]": (
-        'loads[1].lines[1].leg = "arms": must be a leg of constant section, or with a 6×6 '
+        'loads[1].lines[1].leg = "arms": must be a leg with a section, or with a 6×6 '
         'compliance; did you mean "arm"?'
     ),
     "leg = 'arm', wrench = [0, 1, 0]": (

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from support.robots.robot_from_text import described
 
+from lumped.beam_properties import prism_sections
 from lumped.legs import ConstantLeg, Material
 from lumped.mechanism.kinematics.postures import reference_posture
 from lumped.mechanism.load import LineLoad
@@ -98,6 +99,7 @@ def test_solid_load_vector_has_end_effects(ratio, least):
     half = leg.length / 4.0
     fields = solid.centreline(half * (1.0 + points)).toarray().reshape(40, 6, 12)
     load_vector = (half * np.einsum("s,sij,i->j", weights, fields, line)).reshape(2, 6)
-    expected = end_wrenches(leg.timoshenko, leg.length, LineLoad(0.0, 2.0 * half, line, line))
+    sections = prism_sections(leg.timoshenko, leg.length)
+    expected = end_wrenches(sections, LineLoad(0.0, 2.0 * half, line, line))
     difference = np.abs(load_vector[1] / expected[1] - 1.0).max()
     assert least < difference < LINE_ON_BEAMS * 5.0 / ratio

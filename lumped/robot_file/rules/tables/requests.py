@@ -86,7 +86,7 @@ _NODE = Text(r"[1-9][0-9]{0,8}", "a number of up to nine digits")
 class LineEntry:
     """Distributed load along a leg, part of a load case."""
 
-    leg: Annotated[str, Value(BODY_NAME, "leg of constant section, or with a 6×6 compliance")]
+    leg: Annotated[str, Value(BODY_NAME, "leg with a section, or with a 6×6 compliance")]
     wrench: Annotated[Wrench, Value(_PER_LENGTH, "forces and moments per length at `from`")]
     end_wrench: Annotated[
         Wrench | None,
@@ -94,10 +94,10 @@ class LineEntry:
     ] = None
     from_: Annotated[
         float | None,
-        Value(_STATION, "distance from the root where it begins; default: the root"),
+        Value(_STATION, "distance along the leg where it begins; default: the root"),
     ] = None
     to: Annotated[
-        float | None, Value(_STATION, "distance from the root where it ends; default: the tip")
+        float | None, Value(_STATION, "distance along the leg where it ends; default: the tip")
     ] = None
     axes: Annotated[
         Literal["base", "leg"],
