@@ -28,9 +28,11 @@ import numpy as np
 
 from fem.machine import usable_cores
 from lumped.acceptance.requirement import Requirement
+from lumped.equivalent_leg import EquivalentBy
 from lumped.errors import InputError
 from lumped.legs import Theory
 from lumped.mechanism.length_unit import UnitOfLength
+from lumped.models.segments import Layout, Release
 from lumped.robot_file import RobotFile, load_robot, robot_of
 from lumped.robot_file.evidence import with_options
 from lumped.robot_file.places import unit_of
@@ -1032,7 +1034,9 @@ def _arguments_named() -> Iterator[None]:
 
 def _model_options(options: dict[str, Any]) -> dict[str, Any]:
     """`options` unchanged. Raises InputError with a fault for each value of a wrong type."""
-    types = get_type_hints(ModelOptions)
+    # The module of the options imports their types for type checkers only.
+    names = {"Theory": Theory, "Layout": Layout, "Release": Release, "EquivalentBy": EquivalentBy}
+    types = get_type_hints(ModelOptions, localns=names)
     if faults := [
         fault
         for name, value in options.items()
