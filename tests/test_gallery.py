@@ -283,3 +283,58 @@ def test_load_along_leg_equals_closed_form(example):
         )
     wrench = np.abs(variables["clamp"].wrench)
     assert wrench[[2, 4]] == pytest.approx([60.0 * (L - a), 30.0 * (L**2 - a**2)], rel=1e-9)
+
+
+def test_lever_about_shear_centre_is_thin_walled(example):
+    """Channel: the lever is 3b²/(6b + h) beyond the middle of the web, plus that to the centroid.
+
+    That of an angle lies where the middle lines of its flange and web meet. A tee and a Z profile
+    have it in the plane of the force. The arm is equal by its section constants but for shear.
+    """
+    variables = example(20)
+    levers, wall = variables["levers"], 0.006
+    b, h = 0.05 - 0.5 * wall, 0.1 - wall
+    channel = 3.0 * b**2 / (6.0 * b + h) + variables["centre"] - 0.5 * wall
+    assert levers["channel"] == pytest.approx(channel, rel=0.01)
+    flange, web = 0.05 * wall, (0.1 - wall) * wall
+    angle = flange * (0.025 - 0.5 * wall) / (flange + web)
+    assert levers["angle"] == pytest.approx(angle, rel=0.03)
+    assert np.abs([levers["tee"], levers["Z profile"]]).max() < 1e-9
+    by_constants = variables["by_constants"]
+    outline = variables["matrices"]["channel"]
+    assert by_constants[3, 2] == pytest.approx(outline[3, 2], rel=1e-6)
+    # Without shear areas the leg has no shear deformation.
+    assert 0.95 < by_constants[2, 2] / outline[2, 2] < 1.0
+
+
+@pytest.mark.exhaustive
+def test_copies_of_leg_are_springs_in_series(example):
+    """Along z 1/3k + L/(6 EA cos²θ); equal along x and y by threefold symmetry."""
+    variables = example(21)
+    assert variables["z"] == pytest.approx(variables["by_hand"], rel=1e-8)
+    assert variables["x"] == pytest.approx(variables["y"], rel=1e-8)
+
+
+@pytest.mark.exhaustive
+def test_pressure_has_resultant_of_its_face(example):
+    """Force p L b and moment p L² b/2 at the hinge; deflection of a beam less 2 %."""
+    variables = example(22)
+    wrench = np.abs(variables["hinge"].wrench)
+    assert wrench[[2, 4]] == pytest.approx(
+        [2.0e5 * 0.3 * 0.03, 2.0e5 * 0.3**2 * 0.03 / 2], rel=1e-6
+    )
+    assert 0.975 < variables["sag"] / variables["beam"] < 1.0
+
+
+@pytest.mark.exhaustive
+def test_lightest_stiff_arm_is_chosen(example):
+    """L²/k + L³/3EI and L³/3EI of each arm, by Euler–Bernoulli: shear adds less than 2 %."""
+    choice = example(23)["choice"]
+    width, height = np.meshgrid(*[np.arange(20.0, 51.0, 10.0) * 1e-3] * 2, indexing="ij")
+    bending = 1e3 * 0.3**3 / (3.0 * 7.0e10 * width * height / 12.0)
+    stiff = (1e3 * 0.3**2 / 2.0e4 + bending / width**2 <= 7e-3) & (bending / height**2 <= 1e-3)
+    assert choice[0].startswith(f"{np.count_nonzero(stiff)} of 16 robots meet ")
+    mass = 2700.0 * 0.3 * np.where(stiff, width * height, np.inf) + 1.0
+    lightest = np.unravel_index(np.argmin(mass), mass.shape)
+    sizes = f"width={1e3 * width[lightest]:g}, bodies.arm.section.height={1e3 * height[lightest]:g}"
+    assert choice[1].startswith(f"least mass: bodies.arm.section.{sizes} (mass {mass.min():.4g} kg")
