@@ -7,7 +7,6 @@ fp.converge("ifw", "segments", body="leg1").plot()
 
 from lumped.errors import ComputationError, InputError
 from validation.api import (
-    Adequacy,
     adequacy,
     compare_measured,
     converge,
@@ -29,9 +28,8 @@ from validation.forces.record import Forces
 from validation.maps.figure import WorkspaceMaps
 from validation.parts.free_modes import FreePart
 from validation.parts.identify import Identified
-from validation.python.designs import Designs
-from validation.python.finished import Run
-from validation.python.measured import MeasuredComparison
+from validation.python.judged import Adequacy, MeasuredComparison
+from validation.python.runs_and_designs import Designs, Run
 from validation.solve.answer import Solution
 from validation.tables import ResultTable
 

@@ -17,34 +17,28 @@ Examples of functions use built-in robots, or this clamped steel bar:
 ... }
 """
 
-import re
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, get_type_hints
 
 import numpy as np
 
 from fem.machine import usable_cores
-from lumped.acceptance.requirement import Requirement
 from lumped.equivalent_leg import EquivalentBy
 from lumped.errors import InputError
 from lumped.legs import Theory
-from lumped.mechanism.length_unit import UnitOfLength
 from lumped.models.segments import Layout, Release
 from lumped.robot_file import RobotFile, load_robot, robot_of
-from lumped.robot_file.evidence import with_options
 from lumped.robot_file.places import unit_of
 from lumped.robot_file.written import toml_of, toml_value
 from meshes.part.interfaces import find_interfaces
-from validation.adequacy.judgement import verdict_matrix
 from validation.adequacy.robot_verdicts import judged_robot
 from validation.case import Skip
 from validation.comparisons.convergence_study import ConvergenceStudy
 from validation.comparisons.element_convergence import storing
 from validation.comparisons.requested import convergence
-from validation.console.arguments import checked, faults_of
+from validation.console.arguments import arguments_named, checked, faults_of
 from validation.console.typed import MOST_PROCESSES, LengthUnit
 from validation.context import Context, Preset
 from validation.cross_validation import CrossValidation, cross_validation
@@ -68,19 +62,13 @@ from validation.parts.request import (
     material_of,
     part_of,
 )
-from validation.python.designs import Designs
-from validation.python.finished import Run
-from validation.python.measured import MeasuredComparison
-from validation.references.reference import Subject
-from validation.report.table import entry_line, matrix_table, table_of
-from validation.report.words import sentence
+from validation.python.judged import Adequacy, MeasuredComparison, with_limits
+from validation.python.runs_and_designs import Designs, Run
 from validation.run.executor import in_turn
 from validation.solve.answer import Solution
 from validation.solve.model_answers import solve as answered
 from validation.solve.question import Question, split_ends
-from validation.tables import ResultTable, html_paragraph, html_table
 from validation.variations.curves import checked_variations, variation_study
-from validation.verdicts import Entry, Matrix
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -121,7 +109,7 @@ def load(
     """
     loaded = _loaded(robot)
     return replace(
-        loaded, requirement=_accepting(loaded.requirement, accept or {}, loaded.mechanism.lengths)
+        loaded, requirement=with_limits(loaded.requirement, accept or {}, loaded.mechanism.lengths)
     )
 
 
@@ -176,7 +164,7 @@ def solve(
     """
     fixed_options, free = split_ends(model, options)
     fixed_options = _model_options(fixed_options)
-    with _arguments_named():
+    with arguments_named():
         typed = _typed(poses)
         question = Question(
             _loaded(robot), model, fixed_options, modes, poses=typed, leg=leg, body=body, free=free
@@ -230,7 +218,7 @@ def forces(
     >>> print(f"{clamp.wrench[2]:.3f} N, {clamp.wrench[4]:.3f} N m")
     9.241 N, -1.386 N m
     """
-    with _arguments_named():
+    with arguments_named():
         question = Question(_loaded(robot), model, _model_options(options), poses=_typed(poses))
         return computed_forces(question, loads, on_path=path)
 
@@ -280,7 +268,7 @@ def converge(
     >>> study.assert_converged("f1", elements=20, within=0.01)
     """
     loaded = _loaded(robot)
-    with _arguments_named():
+    with arguments_named():
         return convergence(
             loaded,
             model=model,
@@ -324,213 +312,6 @@ def cross_validate(robot: Robot, *, preset: Preset = "standard") -> CrossValidat
     return cross_validation(Context(_loaded(robot), preset))
 
 
-@dataclass(frozen=True)
-class Adequacy:
-    """Verdicts on the models of a robot.
-
-    `matrix` has an entry for each model and quantity, `requirement` the limits, and `subject` the
-    models with their references.
-
-    Examples
-    --------
-    >>> judged = adequacy(bar, preset="quick")
-    """
-
-    matrix: Matrix
-    requirement: Requirement
-    subject: Subject
-
-    @property
-    def sentence(self) -> str:
-        """Verdict in one sentence, as in the report.
-
-        Examples
-        --------
-        >>> judged.sentence.startswith("Within the accepted errors, use")
-        True
-        """
-        return sentence(self.matrix, self.requirement.rely)
-
-    @checked
-    def entry(self, model: str, quantity: str, within: float | None = None) -> Entry:
-        """Error and verdict of a model for a quantity.
-
-        Parameters
-        ----------
-        model
-            A model of the matrix, such as ``"vjm"``.
-        quantity
-            "x", "phi_z", "any_force", "f1", "order", ``"load:NAME"``, …
-        within
-            Relative limit. That of `requirement` if None.
-
-        Returns
-        -------
-        Entry
-            ``error``, ``uncertainty`` and ``limit`` (relative), ``verdict``, ``causes`` and
-            ``remedy``.
-
-        Raises
-        ------
-        InputError
-            If the model does not define the quantity.
-
-        Examples
-        --------
-        >>> judged.entry("beam", "z", within=0.5).verdict
-        'adequate'
-        """
-        matrix = self.matrix if within is None else self._within(model, quantity, within)
-        return matrix.known_entry(model, quantity)
-
-    @checked
-    def assert_adequate(self, model: str, quantity: str, within: float | None = None) -> None:
-        """Raise AssertionError unless the model is adequate for the quantity.
-
-        Parameters
-        ----------
-        model, quantity, within
-            As for `entry`.
-
-        Raises
-        ------
-        AssertionError
-            With error, pose, cause and remedy, if the model is inadequate or undecided.
-        InputError
-            If the model does not define the quantity.
-
-        Examples
-        --------
-        >>> judged.assert_adequate("beam", "f1", within=0.05)
-        """
-        entry = self.entry(model, quantity, within)
-        if entry.verdict != "adequate":
-            raise AssertionError(self.describe(entry))
-
-    @checked
-    def accepting(self, accept: Mapping[str, float]) -> "Adequacy":
-        """Judge the same errors by other limits.
-
-        Parameters
-        ----------
-        accept
-            Limits by name, as for `load`.
-
-        Returns
-        -------
-        Adequacy
-            The matrix with new verdicts. Nothing is solved again.
-
-        Raises
-        ------
-        InputError
-            For unknown names, and for more modes than were computed.
-
-        Examples
-        --------
-        >>> strict = judged.accepting({"deflection": 1e-4})
-        >>> strict.entry("simplified", "z").limit
-        0.0001
-        """
-        requirement = _accepting(self.requirement, accept, self._lengths)
-        if requirement.modes > self.requirement.modes:
-            raise InputError(
-                f"accept: modes = {requirement.modes}: must be at most "
-                f"{self.requirement.modes}, the number of computed modes; request more "
-                "with `adequacy`"
-            )
-        return Adequacy(verdict_matrix(self.subject, requirement), requirement, self.subject)
-
-    def describe(self, entry: Entry) -> str:
-        """Describe an entry in one line.
-
-        Parameters
-        ----------
-        entry
-            An entry of the matrix.
-
-        Returns
-        -------
-        str
-            Model, quantity, verdict, error, limit, cause and remedy.
-
-        Examples
-        --------
-        >>> judged.describe(judged.entry("beam", "z"))[:17]
-        'beam, z: adequate'
-        """
-        return entry_line(self.matrix, entry).replace("\N{NO-BREAK SPACE}", " ")
-
-    @property
-    def _lengths(self) -> UnitOfLength:
-        """Unit of length of the robot file, for lengths and limits of displacements."""
-        return self.subject.responses.robot.mechanism.lengths
-
-    def _within(self, model: str, quantity: str, limit: float) -> Matrix:
-        models = [candidate for candidate in self.subject.models if candidate.name == model]
-        requirement = _accepting(self.requirement, {quantity: limit}, self._lengths)
-        return verdict_matrix(replace(self.subject, models=models, parts=()), requirement)
-
-    def table(self) -> ResultTable:
-        """Verdicts, a row for each model and quantity.
-
-        Returns
-        -------
-        ResultTable
-            Errors, half-widths and limits in per cent.
-
-        Examples
-        --------
-        >>> judged.table().headings[:4]
-        ('model', 'quantity', 'verdict', 'error (%)')
-        """
-        return matrix_table(self.matrix)
-
-    def plot(self) -> "Figure":
-        """Errors of the deflections and of the first frequencies over the path, by model.
-
-        Returns
-        -------
-        matplotlib.figure.Figure
-            The shaded band is the limit.
-
-        Raises
-        ------
-        InputError
-            If no error could be computed.
-
-        Examples
-        --------
-        >>> judged.plot().savefig("errors.png")
-        """
-        # Imported here: only a picture needs the plotting library.
-        from validation.drawing.plot import drawn_chart  # noqa: PLC0415
-        from validation.drawing.style import plot_style  # noqa: PLC0415
-        from validation.report.figures.adequacy import error_curves  # noqa: PLC0415
-
-        curves = error_curves(self.matrix)
-        if curves is None:
-            raise InputError("plot: there is no error of a deflection or a frequency to plot")
-        with plot_style():
-            return drawn_chart(curves)
-
-    def __repr__(self) -> str:
-        return f"Adequacy({self.matrix.robot}: {self.sentence})"
-
-    def _repr_html_(self) -> str:
-        table = table_of(self.matrix)
-        rows = [
-            [row.name, *("–" if cell is None else f"{cell.text} {cell.mark}" for cell in row.cells)]
-            for row in table.rows
-        ]
-        verdicts = [
-            [None, *(None if cell is None else cell.entry.verdict for cell in row.cells)]
-            for row in table.rows
-        ]
-        headings = ("model", *table.headings)
-        return html_paragraph(self.sentence) + html_table(headings, rows, verdicts)
-
-
 @checked
 def adequacy(
     robot: Robot, *, preset: Preset = "standard", accept: Mapping[str, float] | None = None
@@ -566,7 +347,7 @@ def adequacy(
     'inadequate'
     """
     loaded = _loaded(robot)
-    requirement = _accepting(loaded.requirement, accept or {}, loaded.mechanism.lengths)
+    requirement = with_limits(loaded.requirement, accept or {}, loaded.mechanism.lengths)
     subject, matrix = judged_robot(Context(replace(loaded, requirement=requirement), preset))
     return Adequacy(matrix, requirement, subject)
 
@@ -624,7 +405,7 @@ def run(
         raise InputError(f"jobs = {jobs}: must be a whole number from 1 to {MOST_PROCESSES}")
     cores = jobs or usable_cores()
     request = Request(_loaded(robot), preset, Path(out), cores, only, vary=vary)
-    with _arguments_named():
+    with arguments_named():
         gathered = validate(request, catalogue)
     return Run(
         out=gathered.path,
@@ -691,21 +472,8 @@ def identify(
     >>> found.compliance.shape, f"{found.total:.0f} kg"
     ((6, 6), '71 kg')
     """
-    faults = faults_of_numbers(unknowns, modes)
-    if body is not None and (interfaces or material or unit):
-        faults.append(
-            "body: not with material, interface or unit, which are in the robot file for "
-            "this body; leave them out"
-        )
-    if body is None and not isinstance(part, str | Path):
-        faults.append("body: missing; name a part of the robot")
-    if body is None and not material:
-        faults.append(
-            "material: missing; add it, for example {'E': 2.1e11, 'nu': 0.3, 'rho': 7850.0}"
-        )
-    with _arguments_named():
-        if faults:
-            raise InputError(faults)
+    with arguments_named():
+        _require_part(part, body, material, interfaces or unit, unknowns, modes)
         if body is not None:
             return identified(part_of(_loaded(part), body), unknowns, modes)
         texts = [toml_of({name: table}) for name, table in (interfaces or {}).items()]
@@ -766,24 +534,12 @@ def identify_free(
     >>> found.rigid, found.frequencies.shape
     (6, (1,))
     """
-    faults = faults_of_numbers(unknowns, modes)
     if modes == 0:
-        faults.append(
+        raise InputError(
             "modes = 0: a part without supports has no results but frequencies; must be 1 or more"
         )
-    if body is not None and (material or unit):
-        faults.append(
-            "body: not with material or unit, which are in the robot file; leave them out"
-        )
-    if body is None and not isinstance(part, str | Path):
-        faults.append("body: missing; must name a part of the robot")
-    if body is None and not material:
-        faults.append(
-            "material: missing; add it, for example {'E': 2.1e11, 'nu': 0.3, 'rho': 7850.0}"
-        )
-    with _arguments_named():
-        if faults:
-            raise InputError(faults)
+    with arguments_named():
+        _require_part(part, body, material, unit, unknowns, modes)
         if body is not None:
             return free_body_part(part_of(_loaded(part), body), unknowns, modes)
         solid_material = material_of(toml_value(material))
@@ -821,7 +577,7 @@ def draw(robot: Robot, *, poses: Sequence[float | Sequence[float]] = ()) -> "Fig
     from validation.kinematics.picture import scene  # noqa: PLC0415
 
     mechanism = _loaded(robot).mechanism
-    with _arguments_named():
+    with arguments_named():
         if len(poses):
             postures = postures_of(mechanism, parsed_poses(mechanism, _typed(poses)))
         else:
@@ -906,7 +662,7 @@ def vary(robot: Robot, number: str, *, preset: Preset = "standard") -> Designs:
     (0.03, 0.0)
     """
     loaded = _loaded(robot)
-    with _arguments_named():
+    with arguments_named():
         (variation,) = checked_variations(loaded, [number], preset)
         curves = variation_study(loaded, variation, preset)
     unit = unit_of(loaded.tables, variation.keys[0])
@@ -1002,7 +758,7 @@ def export(
     'bar.npz'
     """
     typed = None if pose is None else ",".join(repr(float(number)) for number in pose)
-    with _arguments_named():
+    with arguments_named():
         return write_export(
             _loaded(robot),
             to,
@@ -1012,24 +768,6 @@ def export(
             out=None if out is None else Path(out),
             force=force,
         )
-
-
-_OPTION = re.compile(r"(?<!\S)--([a-z]+)")
-# Options of the command line whose arguments in Python have another name.
-_ARGUMENTS = {"pose": "poses", "x": "poses", "load": "loads"}
-
-
-@contextmanager
-def _arguments_named() -> Iterator[None]:
-    """Context in which faults of input name function arguments instead of command options."""
-
-    def argument(option: re.Match[str]) -> str:
-        return _ARGUMENTS.get(option[1], option[1])
-
-    try:
-        yield
-    except InputError as error:
-        raise InputError([_OPTION.sub(argument, fault) for fault in error.faults]) from error
 
 
 def _model_options(options: dict[str, Any]) -> dict[str, Any]:
@@ -1047,6 +785,34 @@ def _model_options(options: dict[str, Any]) -> dict[str, Any]:
     return options
 
 
+def _require_part(
+    part: Robot,
+    body: str | None,
+    material: Mapping[str, Any] | None,
+    others: object,
+    unknowns: int,
+    modes: int,
+) -> None:
+    """Raise InputError with all faults of the arguments that select a CAD part.
+
+    `others` is true if further arguments that belong to files of parts are given.
+    """
+    faults = faults_of_numbers(unknowns, modes)
+    if body is not None and (material or others):
+        faults.append(
+            "body: not with material, interfaces or unit, which are in the robot file for "
+            "this body; leave them out"
+        )
+    if body is None and not isinstance(part, str | Path):
+        faults.append("body: missing; name a part of the robot")
+    if body is None and not material:
+        faults.append(
+            "material: missing; add it, for example {'E': 2.1e11, 'nu': 0.3, 'rho': 7850.0}"
+        )
+    if faults:
+        raise InputError(faults)
+
+
 def _typed(poses: Sequence[float | Sequence[float]]) -> tuple[str, ...]:
     """Poses as texts in the form of the command line."""
     return tuple(",".join(repr(float(number)) for number in np.atleast_1d(pose)) for pose in poses)
@@ -1056,11 +822,3 @@ def _loaded(robot: Robot) -> RobotFile:
     if isinstance(robot, RobotFile):
         return robot
     return robot_of(robot) if isinstance(robot, Mapping) else load_robot(robot)
-
-
-def _accepting(
-    requirement: Requirement, accept: Mapping[str, float], lengths: UnitOfLength
-) -> Requirement:
-    limits = [f"{name}={limit}" for name, limit in accept.items()]
-    with _arguments_named():
-        return with_options(requirement, limits, (), lengths)

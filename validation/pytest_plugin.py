@@ -19,9 +19,9 @@ import pytest
 
 if TYPE_CHECKING:
     from lumped.robot_file import RobotFile
-    from validation.api import Adequacy
     from validation.comparisons.checks import Check
     from validation.context import Context
+    from validation.python.judged import Adequacy
 
 # Assessments of this session, by digest of the robot file, preset and number of modes.
 _ASSESSMENTS = pytest.StashKey[dict[tuple[str, str, float | None], "Adequacy"]]()
@@ -117,7 +117,22 @@ class RobotCollector(pytest.File):
             yield ComparisonItem.from_parent(self, name=check.name, check=check)
 
 
-class ModelItem(pytest.Item):
+class _RobotItem(pytest.Item):
+    """Test of a robot file. An undecided verdict is skipped, or fails with --flexproof-strict."""
+
+    def conclude(self, verdict: str, text: str) -> None:
+        """Skip or fail the test unless the verdict is "adequate" or "agree"."""
+        if verdict == "undecided" and not self.config.getoption("flexproof_strict"):
+            pytest.skip(text)
+        if verdict not in {"adequate", "agree"}:
+            pytest.fail(text, pytrace=False)
+
+    def reportinfo(self) -> tuple[Path, None, str]:
+        """File, line (None) and name of the test, for the reports of pytest."""
+        return self.path, None, self.name
+
+
+class ModelItem(_RobotItem):
     """Test of one model for one quantity. Passed if adequate, skipped if undefined or undecided."""
 
     def __init__(self, *, model: str, quantity: str, **node: Any) -> None:
@@ -133,18 +148,10 @@ class ModelItem(pytest.Item):
             pytest.skip(f"model {self.model} does not define {self.quantity}")
         if entry.error is None and self.model in adequacy.matrix.faults:
             pytest.fail(adequacy.describe(entry), pytrace=False)
-        strict = self.config.getoption("flexproof_strict")
-        if entry.verdict == "undecided" and not strict:
-            pytest.skip(adequacy.describe(entry))
-        if entry.verdict != "adequate":
-            pytest.fail(adequacy.describe(entry), pytrace=False)
-
-    def reportinfo(self) -> tuple[Path, None, str]:
-        """File, line (None) and name of the test, for the reports of pytest."""
-        return self.path, None, self.name
+        self.conclude(entry.verdict, adequacy.describe(entry))
 
 
-class ComparisonItem(pytest.Item):
+class ComparisonItem(_RobotItem):
     """Test of agreement with a solid, or of convergence. Skipped if not compared, or undecided."""
 
     def __init__(self, *, check: "Check", **node: Any) -> None:
@@ -165,15 +172,7 @@ class ComparisonItem(pytest.Item):
             pytest.skip(str(reason))
         except (ComputationError, InputError) as error:
             pytest.fail(f"{self.name}: {error}", pytrace=False)
-        strict = self.config.getoption("flexproof_strict")
-        if result.verdict == "undecided" and not strict:
-            pytest.skip(result.text)
-        if result.verdict != "agree":
-            pytest.fail(result.text, pytrace=False)
-
-    def reportinfo(self) -> tuple[Path, None, str]:
-        """File, line (None) and name of the test, for the reports of pytest."""
-        return self.path, None, self.name
+        self.conclude(result.verdict, result.text)
 
 
 def _robot_file(robot: str) -> "RobotFile":

@@ -5,7 +5,9 @@ each argument of a wrong type.
 """
 
 import inspect
-from collections.abc import Callable, Mapping, Sequence
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from functools import wraps
 from numbers import Integral, Real
 from pathlib import Path
@@ -104,3 +106,21 @@ def _allowed(hint: Any) -> str:
     if origin is Mapping:
         return f"a dictionary, each value {_allowed(parts[1])}"
     return _WORDS.get(hint) or f"a {hint.__name__}"
+
+
+_OPTION = re.compile(r"(?<!\S)--([a-z]+)")
+# Options of the command line whose arguments in Python have another name.
+_ARGUMENTS = {"pose": "poses", "x": "poses", "load": "loads"}
+
+
+@contextmanager
+def arguments_named() -> Iterator[None]:
+    """Context in which faults of input name function arguments instead of command options."""
+
+    def argument(option: re.Match[str]) -> str:
+        return _ARGUMENTS.get(option[1], option[1])
+
+    try:
+        yield
+    except InputError as error:
+        raise InputError([_OPTION.sub(argument, fault) for fault in error.faults]) from error
