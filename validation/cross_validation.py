@@ -5,10 +5,10 @@ Input: the context of a robot. Output: `CrossValidation`, with the verdicts of t
 are compared with solids of these legs.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from lumped.errors import InputError
 from validation.case import Case, Skip
@@ -20,6 +20,8 @@ from validation.comparisons.agreement_rows import (
 )
 from validation.comparisons.convergence_study import ConvergenceStudy
 from validation.context import Context
+from validation.drawing.chart import percent as percent_scale
+from validation.drawing.style import GREEN, WIDTH, looks_of, plot_style
 from validation.drawing.text import quantity_name
 from validation.models.options import RefinedModel
 from validation.report.agreement import agreement_sentence
@@ -30,6 +32,9 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 SOLID = "solid"
+# Range around zero (%) in which the scale of a plot is linear; height of a panel (inches); fraction
+# of a column's width over which markers are spread.
+_LINEAR, _PANEL_HEIGHT, _SPREAD = 0.1, 2.2, 0.6
 
 
 @dataclass(frozen=True, eq=False)
@@ -235,25 +240,12 @@ class CrossValidation:
         --------
         >>> crossed.plot().savefig("agreement.png")
         """
-        # Imported here: only a picture needs the plotting library.
-        from validation.drawing.agreement_plot import Difference, agreement_plot  # noqa: PLC0415
-
-        panels: dict[str, list[Difference]] = {}
+        panels: dict[str, list[Outcome]] = {}
         for outcome in self.agreement:
             if outcome.measurement:
-                shares = agreement_row(outcome)
                 title = outcome.case.body or f"{self.robot}, whole robot"
-                panels.setdefault(title, []).append(
-                    Difference(
-                        outcome.case.label,
-                        outcome.case.model,
-                        100.0 * shares.difference,
-                        100.0 * shares.unexplained,
-                        100.0 * shares.half_width,
-                        100.0 * shares.tolerance,
-                    )
-                )
-        return agreement_plot(panels)
+                panels.setdefault(title, []).append(outcome)
+        return _drawn_differences(panels)
 
     def __repr__(self) -> str:
         return f"CrossValidation({self.robot}: {len(self.agreement)} comparisons)"
@@ -300,3 +292,53 @@ def cross_validation(context: Context) -> CrossValidation:
         with suppress(Skip):
             studies[body] = study_of(context, body)
     return CrossValidation(context.robot_file.name, tuple(comparisons), studies)
+
+
+@plot_style()
+def _drawn_differences(panels: Mapping[str, Sequence[Outcome]]) -> "Figure":
+    """Plot of comparisons with a measurement: one panel for each title, a column for each quantity.
+
+    Models stand side by side in a column.
+    """
+    # Imported here: only a picture needs the plotting library.
+    from matplotlib.figure import Figure  # noqa: PLC0415
+
+    models = list(dict.fromkeys(o.case.model for outcomes in panels.values() for o in outcomes))
+    looks = looks_of(models)
+    count = max(len(panels), 1)
+    figure = Figure(figsize=(WIDTH, 0.5 + _PANEL_HEIGHT * count), layout="constrained")
+    grid = figure.subplots(count, 1, squeeze=False)[:, 0]
+    for axes, (title, outcomes) in zip(grid, panels.items(), strict=False):
+        quantities = list(dict.fromkeys(outcome.case.label for outcome in outcomes))
+        rows = [(outcome.case, agreement_row(outcome)) for outcome in outcomes]
+        for column, quantity in enumerate(quantities):
+            tolerance = 100.0 * max(row.tolerance for case, row in rows if case.label == quantity)
+            sides = [column - 0.45, column + 0.45]
+            band: dict[str, Any] = {"color": GREEN, "alpha": 0.12, "linewidth": 0.0}
+            axes.fill_between(sides, -tolerance, tolerance, label="tolerance", **band)
+        for rank, model in enumerate(models):
+            of_model = [(case, row) for case, row in rows if case.model == model]
+            if not of_model:
+                continue
+            offset = _SPREAD * ((rank + 0.5) / len(models) - 0.5)
+            x = [quantities.index(case.label) + offset for case, _ in of_model]
+            difference, unexplained, half_width = (
+                [100.0 * getattr(row, name) for _, row in of_model]
+                for name in ("difference", "unexplained", "half_width")
+            )
+            grey: dict[str, Any] = {"color": "#999999", "markersize": 3.0}
+            axes.plot(x, difference, "D", label="total difference", **grey)
+            look: dict[str, Any] = {"fmt": looks[model].marker, "color": looks[model].colour}
+            label = f"{model}, unexplained"
+            axes.errorbar(x, unexplained, half_width, capsize=2.5, label=label, **look)
+        percent_scale(axes, limit=_LINEAR)
+        axes.set_xticks(range(len(quantities)), quantities)
+        axes.set_xlim(-0.5, len(quantities) - 0.5)
+        axes.set_ylabel("difference from\nthe solid (%)")
+        axes.set_title(title)
+        axes.grid(visible=False, axis="x")
+    labelled = (zip(*axes.get_legend_handles_labels(), strict=True) for axes in grid)
+    handles = {label: handle for pairs in labelled for handle, label in pairs}
+    columns = min(len(handles), 3)
+    figure.legend(handles.values(), handles, loc="outside upper left", ncols=columns)
+    return figure

@@ -30,7 +30,7 @@ from validation.comparisons.convergence_text import (
 )
 from validation.comparisons.discretisations import PARAMETERS
 from validation.drawing.chart import Chart
-from validation.drawing.style import csv_of, plot_style
+from validation.drawing.style import csv_of
 from validation.drawing.text import number
 from validation.models.options import RefinedModel
 from validation.record_fields import json_text
@@ -492,8 +492,7 @@ class ConvergenceStudy:
         # Only a picture needs the library that draws it.
         from validation.drawing.plot import drawn_chart  # noqa: PLC0415
 
-        with plot_style():
-            return drawn_chart(self.chart(quantities))
+        return drawn_chart(self.chart(quantities))
 
     def picture(self, kind: str, dots: int) -> bytes:
         """Picture of the errors of f1 to f4, as ".svg", or as ".png" with `dots` per inch."""

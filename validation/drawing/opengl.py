@@ -27,8 +27,7 @@ def can_draw() -> bool:
 
     It must be called before pyvista is imported.
     """
-    window = usable_window()
-    if window is None:
+    if os.environ.get(SWITCH, "").lower() == "off" or (window := _usable_window()) is None:
         return False
     if window:
         os.environ[WINDOW] = window
@@ -38,15 +37,9 @@ def can_draw() -> bool:
     return True
 
 
-def usable_window() -> str | None:
-    """VTK window class that works on this machine. "" for the default, None if none works."""
-    if os.environ.get(SWITCH, "").lower() == "off":
-        return None
-    return _first_usable()
-
-
 @memo(1)
-def _first_usable() -> str | None:
+def _usable_window() -> str | None:
+    """VTK window class that works on this machine. "" for the default, None if none works."""
     return next(filter(_draws_in_other_process, _windows()), None)
 
 

@@ -55,17 +55,15 @@ def chart_svg(chart: Chart) -> str:
 
 def chart_png(chart: Chart, dots: int) -> bytes:
     """Chart as PNG with a resolution of `dots` per inch."""
+    content = io.BytesIO()
     with plot_style():
-        content = io.BytesIO()
         drawn_chart(chart).savefig(content, dpi=dots, format="png")
     return content.getvalue()
 
 
+@plot_style()
 def drawn_chart(chart: Chart) -> Canvas:
-    """Matplotlib figure of a chart.
-
-    It must be created and saved inside the context `plot_style`.
-    """
+    """Matplotlib figure of a chart."""
     rows = -(-len(chart.panels) // chart.columns)
     parts = 2 if any(panel.below for panel in chart.panels) else 1
     height = max([chart.high, *(_height(panel) for panel in chart.panels if panel.lying)])

@@ -163,10 +163,8 @@ class Forces:
         """
         # Only a picture needs the library that draws it.
         from validation.drawing.plot import drawn_chart  # noqa: PLC0415
-        from validation.drawing.style import plot_style  # noqa: PLC0415
 
-        with plot_style():
-            return drawn_chart(self.chart(load))
+        return drawn_chart(self.chart(load))
 
     def chart(self, load: str) -> Chart:
         """Chart of the forces under the load with the name `load`."""

@@ -41,8 +41,8 @@ from validation.drawing.surfaces import (
     plate,
     prism,
     rectangle,
+    walled,
 )
-from validation.drawing.walls import walled
 from validation.models.reduced_parts import found_in
 
 Matter: TypeAlias = Literal["leg", "rigid", "joint", "drive"]

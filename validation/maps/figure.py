@@ -21,7 +21,6 @@ from validation.case import Skip
 from validation.context import Context, Preset
 from validation.drawing.chart import Chart, Column, Contours, Panel, few_ticks
 from validation.drawing.figures import FigureGroup
-from validation.drawing.style import plot_style
 from validation.drawing.text import number
 from validation.maps.quantities import MappedQuantity, mapped_quantities
 from validation.maps.workspace import (
@@ -151,8 +150,7 @@ class WorkspaceMaps:
         # Only a plot needs matplotlib, which is slow to import.
         from validation.drawing.plot import drawn_chart  # noqa: PLC0415
 
-        with plot_style():
-            return drawn_chart(self.chart())
+        return drawn_chart(self.chart())
 
     def __repr__(self) -> str:
         titles = ", ".join(mapped.title for mapped, *_ in self.maps)

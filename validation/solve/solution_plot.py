@@ -64,8 +64,7 @@ def solution_plot(
             for title, names, values in quantities
         ]
         chart = Chart(panels, label, columns=len(panels), high=2.2, x_scale=_ticks(label))
-    with plot_style():
-        return drawn_chart(chart)
+    return drawn_chart(chart)
 
 
 def _ticks(label: str) -> Scale:
@@ -94,8 +93,7 @@ def loads_plot(
         )
         for title, values, scale in quantities
     ]
-    with plot_style():
-        return drawn_chart(Chart(panels, label, columns=2, high=2.4, x_scale=_ticks(label)))
+    return drawn_chart(Chart(panels, label, columns=2, high=2.4, x_scale=_ticks(label)))
 
 
 def _marks_of_loads(quantities: Sequence[tuple[str, Mapping[str, Array], Scale]]) -> Figure:
@@ -135,5 +133,4 @@ def responses_plot(curves: Mapping[str, tuple[Array, ComplexArray]]) -> Figure:
         Panel(sizes, "magnitude (µm/N)", scale=powers),
         Panel(phases, "phase (°)", scale=degrees),
     ]
-    with plot_style():
-        return drawn_chart(Chart(panels, "frequency (Hz)", 2, 3.0, x_scale=octaves))
+    return drawn_chart(Chart(panels, "frequency (Hz)", 2, 3.0, x_scale=octaves))

@@ -42,8 +42,7 @@ def test_differences_are_below_curves():
     turned = [series("a", [4, 4, np.nan], "turn"), series("b", [5, 4, 4], "turn")]
     panel = compared(Panel([series("a", [1, 2, 0]), series("b", [1.1, 1, 3]), *turned]), "a")
     assert compared(panel, "c").below == []
-    with plot_style():
-        above, other, below, second_below = drawn_chart(Chart([panel, panel], "x (m)", 2)).axes
+    above, other, below, second_below = drawn_chart(Chart([panel, panel], "x (m)", 2)).axes
     assert [len(axes.get_lines()) for axes in (above, other)] == [4, 4]
     first, second, zero = (line.get_ydata() for line in below.get_lines())
     np.testing.assert_allclose(first, [10.0, -50.0, np.nan], rtol=1e-12)
@@ -72,8 +71,7 @@ def test_equal_labels_share_a_legend_entry():
     """Curves of equal values are drawn one upon the other, the upper ones thinner."""
     first = Panel([*(series("a", [n, 2, 3]) for n in (1, 2)), series("b", [np.nan] * 3)], "first")
     second_series = [*(series(name, [1, 2, 3]) for name in "ac"), series("d", [1, 1, 1], best=2)]
-    with plot_style():
-        picture = drawn_chart(Chart(lettered([first, Panel(second_series, "2nd")]), "x (m)", 2))
+    picture = drawn_chart(Chart(lettered([first, Panel(second_series, "2nd")]), "x (m)", 2))
     (legend,) = picture.legends
     assert [text.get_text() for text in legend.get_texts()] == ["a", "c", "d"]
     assert [axes.get_title(loc="left") for axes in picture.axes] == ["(a) first", "(b) 2nd"]
@@ -88,8 +86,7 @@ def test_equal_labels_share_a_legend_entry():
 def test_legend_shows_all_entries_above_axes(names):
     """Long entries and many models fit into the picture."""
     labels = [f"{name} {number}" for number, name in enumerate(names)]
-    with plot_style():
-        picture = drawn_chart(Chart([Panel([series(name, X) for name in labels])], "x (m)", 1))
+    picture = drawn_chart(Chart([Panel([series(name, X) for name in labels])], "x (m)", 1))
     (legend,), (axes,) = picture.legends, picture.axes
     assert [text.get_text() for text in legend.get_texts()] == labels
     box, below = legend.get_window_extent(), axes.get_tightbbox()
@@ -109,8 +106,7 @@ def test_bars_stack_away_from_zero():
     standing = Panel(
         bars=[Bars(str(k), heights) for k, heights in enumerate(shares)], names=["f1", "f2"]
     )
-    with plot_style():
-        picture = drawn_chart(Chart([lying, standing], "mode", 2))
+    picture = drawn_chart(Chart([lying, standing], "mode", 2))
     rows, columns = picture.axes
     starts_and_widths = [
         (box.get_x(), box.get_width()) for box in rows.patches if box.get_width() != 2.0
@@ -203,8 +199,7 @@ def test_panels_and_legend_share_styles(declare):
         entry(model, q, *errors.pop()) for q, models in quantities.items() for model in models
     ]
     chart = declare(sample_matrix(quantities=tuple(quantities), entries=entries))
-    with plot_style():
-        picture = drawn_chart(chart)
+    picture = drawn_chart(chart)
     for axes, panel, models in zip(picture.axes, chart.panels, quantities.values(), strict=False):
         curves = {series.label: series.y for series in panel.series}
         assert set(curves) - {"measured"} == set(models)

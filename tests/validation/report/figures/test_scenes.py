@@ -10,7 +10,17 @@ from PIL import Image
 
 from lumped.mechanism.free_twists import interface_position
 from lumped.robot_file import load_robot
-from lumped.sections import Circle, HollowRectangle, ISection, Rectangle, Tube
+from lumped.sections import (
+    Angle,
+    Channel,
+    Circle,
+    HollowRectangle,
+    ISection,
+    Polygon,
+    Rectangle,
+    Tee,
+    Tube,
+)
 from validation.drawing import opengl
 from validation.drawing.rendering import pictured, render
 from validation.drawing.scene import (
@@ -22,7 +32,7 @@ from validation.drawing.scene import (
     fitted_view,
     readable_factor,
 )
-from validation.drawing.surfaces import faceted, joined, prism, rectangle
+from validation.drawing.surfaces import end_triangles, faceted, joined, prism, rectangle, walled
 from validation.drawing.turnable import turnable
 from validation.kinematics.poses import postures_of
 from validation.kinematics.solids import outlines, solids
@@ -190,3 +200,34 @@ def test_point_names_are_beside_points():
     assert not none.any()
     # Both are read, each on a side of the point of its own.
     assert max(map(np.ptp, np.nonzero(blue))) > 60
+
+
+SQUARE = ((0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0))
+HOLES = (
+    ((0.1, 0.1), (0.4, 0.1), (0.4, 0.9), (0.1, 0.9)),
+    ((0.6, 0.2), (0.9, 0.3), (0.7, 0.8)),
+)
+SECTIONS = [
+    Channel(0.05, 0.1, 0.006, 0.005),
+    Angle(0.06, 0.1, 0.006, 0.005),
+    Tee(0.06, 0.1, 0.006, 0.005),
+    Polygon(SQUARE, HOLES),
+]
+
+
+@pytest.mark.parametrize("section", SECTIONS, ids=lambda section: section.shape)
+def test_end_triangles_fill_section(section):
+    """Their areas are positive, and sum to that of the section."""
+    loops = section.centred_loops
+    a, b, c = (np.vstack(loops)[end_triangles(loops)[:, k]] for k in range(3))
+    (uy, uz), (vy, vz) = (b - a).T, (c - a).T
+    areas = 0.5 * (uy * vz - uz * vy)
+    assert (areas > 0.0).all()
+    assert areas.sum() == pytest.approx(section.area, rel=1e-12)
+
+
+@pytest.mark.parametrize("section", SECTIONS, ids=lambda section: section.shape)
+def test_hollow_prism_surface_is_closed(section):
+    """Volume by Gauss's theorem: a third of the sum of x·n dA with outward normals."""
+    surface = walled(section.centred_loops, np.array([0.0, 0.3, 2.0]))
+    assert volume(surface) == pytest.approx(2.0 * section.area, rel=1e-12)
