@@ -7,7 +7,7 @@ polynomials.
 
 from lumped.mechanism.mechanism import Mechanism
 from validation.case import Case
-from validation.cases import leg_theory, other_programs, part_reductions, polynomials
+from validation.cases import leg_theory, other_solvers, polynomials
 from validation.references.robot_on_path import prismatic_legs
 
 
@@ -18,7 +18,6 @@ def cases(mechanism: Mechanism, mode_count: int) -> tuple[Case, ...]:
     """
     return (
         *leg_theory.cases(legs=prismatic_legs(mechanism)),
-        *part_reductions.cases(mechanism=mechanism),
-        *other_programs.cases(mechanism=mechanism),
+        *other_solvers.cases(mechanism=mechanism),
         *polynomials.cases(mechanism=mechanism, modes=mode_count),
     )

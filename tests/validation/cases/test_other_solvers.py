@@ -26,8 +26,8 @@ from lumped.robot_file import load_robot
 from lumped.sections import Rectangle, Tube
 from lumped.system.response import damped_modes
 from validation.case import Skip
-from validation.cases import other_programs, ritz
-from validation.cases.other_programs import beams_and_exudyn, farthest_entry
+from validation.cases import other_solvers, ritz
+from validation.cases.other_solvers import beams_and_exudyn, farthest_entry
 from validation.cases.polynomials import farthest_posture
 from validation.cases.ritz_legs import ritz_beam
 from validation.context import Context
@@ -138,7 +138,7 @@ FIVE_BAR = Context(load_robot("five-bar"), "standard")
 
 
 def listed(mechanism, program):
-    cases = other_programs.cases(mechanism=mechanism)
+    cases = other_solvers.cases(mechanism=mechanism)
     return [case for case in cases if case.group == f"mechanism.{program}"]
 
 

@@ -10,7 +10,7 @@ from lumped.acceptance.requirement import DEFAULT_LIMITS
 from lumped.robot_file import load_robot
 from validation import api
 from validation.case import Skip
-from validation.cases import leg_theory, other_programs
+from validation.cases import leg_theory, other_solvers
 from validation.comparisons import robot_beam_vs_solid
 from validation.context import Context
 
@@ -119,11 +119,11 @@ def test_unsuitable_robots_skip_calculix(robot, reason, monkeypatch):
     minutes. Models in CalculiX have isotropic bars of one material.
     """
     for name in ("calculix_solids", "reduced_solids"):
-        monkeypatch.setattr(other_programs, name, lambda _: pytest.fail("is computed"))
+        monkeypatch.setattr(other_solvers, name, lambda _: pytest.fail("is computed"))
     context = Context(load_robot(ROBOTS / f"{robot}.toml"), "standard")
     cases = [
         case
-        for case in other_programs.cases(mechanism=context.robot_file.mechanism)
+        for case in other_solvers.cases(mechanism=context.robot_file.mechanism)
         if case.group == "mechanism.calculix"
     ]
     assert len(cases) == 2

@@ -16,7 +16,7 @@ from lumped.system.solution import modes, solved
 from meshes.part.volume import RATIO
 from validation.adequacy.judged_models import JUDGED, judged_models, why_unable
 from validation.adequacy.robot_verdicts import robot_adequacy
-from validation.cases import part_reductions
+from validation.cases import other_solvers
 from validation.context import Context
 from validation.models import reduced_parts
 from validation.models.loads.displacements import displacements_of
@@ -295,7 +295,7 @@ def test_report_has_reduction_error(crane):
 
 def test_run_compares_both_part_reductions(crane):
     """The difference in frequency is within the sum of both bounds, below 0.1 %."""
-    listed = {case.id: case for case in part_reductions.cases(mechanism=crane.mechanism)}
+    listed = {case.id: case for case in other_solvers.cases(mechanism=crane.mechanism)}
     case = listed["mechanism.parts.frequency[2]"]
     measurement = case.compute(Context(crane, "quick"))
     assert judge(case, measurement, 0.0).verdict == "agree"

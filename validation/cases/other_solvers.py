@@ -1,10 +1,11 @@
-"""Cases of a whole robot against other programs: solids by CalculiX, beams by EXUDYN.
+"""Cases of a whole robot against other solvers: another reduction, CalculiX and EXUDYN.
 
-Input: a posture of a robot whose legs are prisms. Output: verdicts on the 6×6 compliance and on
-natural frequencies. Rule: for CalculiX, each leg is a solid bar with the outer dimensions of the
-leg, meshed coarsely. CalculiX solves the whole mesh, and flexproof condenses each bar to its ends.
-For EXUDYN, legs are chains of beam elements; frequencies are extrapolated to infinitely many
-elements per leg.
+Input: a posture of a robot. Output: verdicts on the 6×6 compliance and on natural frequencies.
+Rules: modes of CAD parts with fixed interfaces (Craig, Bampton) and with free interfaces (MacNeal,
+Rubin) span different spaces, so that equal frequencies confirm both; each reduction bounds its own
+error. For CalculiX, each leg is a solid bar with the outer dimensions of the leg, meshed coarsely.
+CalculiX solves the whole mesh, and flexproof condenses each bar to its ends. For EXUDYN, legs are
+chains of beam elements; frequencies are extrapolated to infinitely many elements per leg.
 """
 
 import numpy as np
@@ -27,11 +28,22 @@ from lumped.models.bodies import legs_of
 from lumped.system.assembly import assembly
 from lumped.system.solution import compliance, modes, solved
 from validation.case import Absolute, Elsewhere, Measurement, Relative, Skip
-from validation.case_group import CaseGroup
+from validation.case_group import CaseGroup, numbered
 from validation.context import Context
 from validation.models.leg_models import filled
-from validation.models.robot_models import PostureAnswer, answers, highest_frequency
-from validation.references.robot_on_path import known_legs, path_postures
+from validation.models.robot_models import (
+    JUDGED_MODES,
+    PostureAnswer,
+    answers,
+    highest_frequency,
+)
+from validation.parts.meshes import COARSE
+from validation.references.reference_parts import bounded_frequencies
+from validation.references.robot_on_path import (
+    known_legs,
+    path_postures,
+    robot_on_path,
+)
 from validation.studies_and_figures import PATH
 from validation.uncertainty.mesh_half_widths import MeshPolicy, mesh_half_widths
 
@@ -53,6 +65,41 @@ _MOST_CUBES = 2000
 _DIFFERENCE_DIGITS = 8
 
 cases = CaseGroup(reference_kind="independent-solver", section=PATH)
+
+
+def _judged_modes(mechanism: Mechanism) -> tuple[tuple[int, int], ...]:
+    return numbered(JUDGED_MODES) if mechanism.parts else ()
+
+
+@cases.case(
+    "mechanism.parts.frequency[{mode}]",
+    "Robot with CAD parts: frequency {mode} by free-interface modes equals that by "
+    "fixed-interface modes",
+    over={"index, mode": _judged_modes},
+    quantity="natural frequency {mode}, middle of the path, coarsest mesh of the parts",
+    citation="the same meshes, reduced by Craig and Bampton's method",
+    unit="Hz",
+    model="solid",
+    group="mechanism.parts",
+    effort=5.0,
+    tolerance=Relative(1e-5),
+    tolerance_reason="largest error of each reduction by its own bound: 3e-7 and less",
+)
+def _part_frequency(context: Context, index: int) -> Measurement:
+    robot = robot_on_path(context)
+    arguments = robot.postures, robot.computed_count, robot.holding.first
+    free, fixed = (
+        context.get(bounded_frequencies, *arguments, JUDGED_MODES, COARSE, interfaces)
+        for interfaces in ("free", "fixed")
+    )
+    return Measurement(
+        float(free.upper[index]),
+        float(fixed.upper[index]),
+        value_uncertainty=float(free.upper[index] - free.lower[index]),
+        reference_uncertainty=float(fixed.upper[index] - fixed.lower[index]),
+    )
+
+
 _by_calculix = cases.family(
     citation=(
         "CalculiX CrunchiX, C3D10 elements; joints and rigid faces as linear equations, "
