@@ -23,7 +23,7 @@ from validation.maps.workspace import directions
 from validation.measured.matrix import measured_matrix
 from validation.paper.robot import is_paper_robot
 from validation.references.robot_on_path import prismatic_legs
-from validation.report.figures import curves, forces, modes, pictures, responses
+from validation.report.figures import curves, modes, pictures, requested
 from validation.run.outcome import Task
 from validation.solids.solid_legs import SHARED_SOLIDS
 from validation.variations.cases import cases_over
@@ -65,9 +65,7 @@ def catalogue(robot_file: RobotFile, variations: Sequence[Variation] = ()) -> Se
         *(maps() if directions(mechanism) else ()),
         *pictures.figures(),
         *modes.figures(),
-        *forces.figures(mechanism),
-        *responses.figures(mechanism),
-        *responses.measured_figures(robot_file),
+        *requested.figures(robot_file),
         *(paper.figures() if is_paper_robot(robot_file) else ()),
         *(cases_over(robot_file, variations) if variations else ()),
         *curves.figures_over(variations),

@@ -83,10 +83,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         with (
             _home(),
             remarks_to(lambda remark: streams.write_message(str(remark))),
-            _own_variable(VARIABLE),
-            _own_variable(RANKS_VARIABLE),
-            _own_variable(HOSTS_VARIABLE),
-            _own_variable(streams.QUIET),
+            _own_variables(VARIABLE, RANKS_VARIABLE, HOSTS_VARIABLE, streams.QUIET),
         ):
             return _run(list(sys.argv[1:] if arguments is None else arguments))
     except CycloptsError as error:
@@ -129,13 +126,14 @@ def _home() -> Iterator[None]:
 
 
 @contextmanager
-def _own_variable(name: str) -> Iterator[None]:
-    """Context that restores an environment variable, which a command can set for its processes."""
-    before = os.environ.get(name)
+def _own_variables(*names: str) -> Iterator[None]:
+    """Context that restores environment variables, which a command can set for its processes."""
+    before = {name: os.environ.get(name) for name in names}
     try:
         yield
     finally:
-        os.environ.pop(name, None) if before is None else os.environ.update({name: before})
+        for name, value in before.items():
+            os.environ.pop(name, None) if value is None else os.environ.update({name: value})
 
 
 def _interrupted(number: int, _frame: object) -> None:
@@ -301,8 +299,8 @@ def run(
     if lines := [*summary.verdicts(gathered), *changes]:
         write_results("\n".join(lines))
     write_results(f"report: {visible(str(gathered.path / 'report.html'))}")
-    parts = summary.adequacy, summary.cross_validation, summary.decisions
-    for line in (line for part in parts for line in part(gathered)):
+    decisions = summary.decision_sentences(gathered.outcomes)
+    for line in (*summary.adequacy(gathered), *summary.cross_validation(gathered), *decisions):
         write_results(line)
     if gathered.unfinished:
         write_messages(["interrupted", go_on], 3)

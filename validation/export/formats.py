@@ -67,7 +67,19 @@ if __name__ == "__main__":
 
 def as_npz(reduced: Reduced) -> bytes:
     """Arrays for numpy (.npz): K, M, unknowns, ports, points, frequencies and their bounds."""
-    return _npz(_arrays(reduced))
+    return _npz(
+        {
+            "K": reduced.stiffness,
+            "M": reduced.mass,
+            "unknowns": np.array(reduced.unknowns),
+            **{f"port {name}": rows for name, rows in reduced.ports.items()},
+            **{f"point {name}": point for name, point in reduced.points.items()},
+            "frequencies": reduced.frequencies,
+            "bounds": reduced.bounds,
+            "counted": np.array([[n, *count] for n, count in reduced.counted.items()], dtype=str),
+            "about": np.array(f"{reduced.name}: {reduced.about}; SI units"),
+        }
+    )
 
 
 def as_exudyn(reduced: Reduced) -> bytes:
@@ -181,20 +193,6 @@ OF_BODIES: Mapping[str, Callable[[Reduced], bytes]] = {
     "nastran": as_nastran,
 }
 OF_ROBOTS: Mapping[str, Callable[[ReducedRobot, str], bytes]] = {"statespace": as_statespace}
-
-
-def _arrays(reduced: Reduced) -> dict[str, Array]:
-    return {
-        "K": reduced.stiffness,
-        "M": reduced.mass,
-        "unknowns": np.array(reduced.unknowns),
-        **{f"port {name}": rows for name, rows in reduced.ports.items()},
-        **{f"point {name}": point for name, point in reduced.points.items()},
-        "frequencies": reduced.frequencies,
-        "bounds": reduced.bounds,
-        "counted": np.array([[name, *count] for name, count in reduced.counted.items()], dtype=str),
-        "about": np.array(f"{reduced.name}: {reduced.about}; SI units"),
-    }
 
 
 def _npz(arrays: Mapping[str, Array]) -> bytes:

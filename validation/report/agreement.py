@@ -330,12 +330,13 @@ def _robot_at_pose(outcomes: Sequence[Outcome], coordinates: Sequence[Coordinate
 
 
 def _table(subject: str, outcomes: Sequence[Outcome]) -> AgreementTable:
-    compared = [outcome for outcome in outcomes if outcome.measurement is not None]
-    quantities = tuple(
-        label
-        for label in dict.fromkeys(outcome.case.label for outcome in outcomes)
-        if any(outcome.case.label == label for outcome in compared)
-    )
+    solid: dict[str, str] = {}
+    for outcome in outcomes:
+        if outcome.measurement:
+            value = _value(outcome.measurement.reference, outcome.case.unit)
+            solid.setdefault(outcome.case.label, value)
+    labels = dict.fromkeys(outcome.case.label for outcome in outcomes)
+    quantities = tuple(label for label in labels if label in solid)
     models = {
         outcome.case.model: _row_name(outcome.case.model, outcome.case.elements)
         for outcome in outcomes
@@ -345,15 +346,14 @@ def _table(subject: str, outcomes: Sequence[Outcome]) -> AgreementTable:
     for model, name in models.items():
         cells = [by_place.get((model, quantity)) for quantity in quantities]
         rows.append((name, tuple(_cell(outcome) if outcome else None for outcome in cells)))
-    solid = tuple(_solid(quantity, outcomes) for quantity in quantities)
     return AgreementTable(
         subject,
         quantities,
-        solid,
+        tuple(solid[quantity] for quantity in quantities),
         tuple(rows),
         _cause_rows(outcomes, quantities),
-        _explanations(outcomes),
-        _missing_reasons(outcomes),
+        explanations=_quantities_by_text((_causes_text(outcome), outcome) for outcome in outcomes),
+        missing=_quantities_by_text((o.message, o) for o in outcomes if o.measurement is None),
     )
 
 
@@ -391,17 +391,6 @@ def _part_table(outcome: Outcome) -> AgreementTable:
         judged=False,
         notes=outcome.measurement.notes if outcome.measurement else (),
     )
-
-
-def _solid(quantity: str, outcomes: Sequence[Outcome]) -> str:
-    """Text with the solid's value of a quantity. "" if the solid was not solved.
-
-    The value is a compliance (SI unit with a prefix such as µ) or a frequency (Hz).
-    """
-    for outcome in outcomes:
-        if outcome.case.label == quantity and outcome.measurement is not None:
-            return _value(outcome.measurement.reference, outcome.case.unit)
-    return ""
 
 
 def _value(reference: float, unit: str) -> str:
@@ -457,21 +446,6 @@ def _cause_rows(
     return tuple(
         (cause, tuple(", ".join(by_quantity.get(quantity, {})) for quantity in quantities))
         for cause, by_quantity in amounts.items()
-    )
-
-
-def _explanations(outcomes: Sequence[Outcome]) -> tuple[str, ...]:
-    """Lines with quantities and the differences that are due to named causes.
-
-    Example: "x, φz: held end faces +1.46 %".
-    """
-    return _quantities_by_text((_causes_text(outcome), outcome) for outcome in outcomes)
-
-
-def _missing_reasons(outcomes: Sequence[Outcome]) -> tuple[str, ...]:
-    """Lines with quantities and the reason why they were not compared."""
-    return _quantities_by_text(
-        (outcome.message, outcome) for outcome in outcomes if outcome.measurement is None
     )
 
 

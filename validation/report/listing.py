@@ -11,7 +11,7 @@ from xml.etree import ElementTree as ET
 from lumped.audit import Finding
 from lumped.mechanism.mechanism import Mechanism
 from lumped.text import counted
-from validation.case import Absolute, Case, Tolerance
+from validation.case import Absolute, Case, Declaration, Measurement, Tolerance
 from validation.drawing.text import tolerance
 from validation.kinematics.listing import mobility_text
 from validation.record_fields import json_object
@@ -106,14 +106,19 @@ def outcome_line(outcome: Outcome, *further: Outcome) -> str:
     if measurement is None:
         addition = f" and {len(further)} more" if further else ""
         return f"{outcome.verdict:9} {case.id}{addition}: {outcome.message}"
+    remark = f"; {outcome.message}" if outcome.message else ""
+    return (
+        f"{outcome.verdict:9} {case.id}: {_numbers(case, measurement, outcome.tolerance)}{remark}"
+    )
+
+
+def _numbers(case: Declaration, measurement: Measurement, tolerance: float) -> str:
     unit = "" if case.unit == "1" else f" {case.unit}"
     claim = "" if case.relation.value == "equal" else f"{case.relation.value} "
-    numbers = (
+    return (
         f"{case.quantity} {measurement.value:.6g}{unit}, should be {claim}"
-        f"{measurement.reference:.6g}{unit} (tolerance {outcome.tolerance:.2g}{unit})"
+        f"{measurement.reference:.6g}{unit} (tolerance {tolerance:.2g}{unit})"
     )
-    remark = f"; {outcome.message}" if outcome.message else ""
-    return f"{outcome.verdict:9} {case.id}: {numbers}{remark}"
 
 
 def _tolerance(allowed: Tolerance) -> dict[str, float | str]:
@@ -157,8 +162,10 @@ def _test_case(outcome: Outcome) -> ET.Element:
     )
     match outcome.verdict:
         case "disagree":
+            measured = outcome.measurement
+            numbers = _numbers(case, measured, outcome.tolerance) if measured else outcome.message
             ET.SubElement(
-                element, "failure", message=_comparison(outcome)
+                element, "failure", message=numbers
             ).text = f"{case.title}\n{case.citation}\n{case.tolerance_reason}\n{outcome.message}"
         case "failed":
             ET.SubElement(element, "error", message=outcome.message).text = case.title
@@ -167,16 +174,6 @@ def _test_case(outcome: Outcome) -> ET.Element:
         case "agree":
             pass
     return element
-
-
-def _comparison(outcome: Outcome) -> str:
-    case, measurement = outcome.case, outcome.measurement
-    if measurement is None:
-        return outcome.message
-    return (
-        f"{case.quantity}: {measurement.value:.6g} {case.unit}, {case.relation.value} "
-        f"{measurement.reference:.6g} expected, tolerance {outcome.tolerance:.3g}"
-    )
 
 
 def _xml_text(text: str | None) -> str | None:

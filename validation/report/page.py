@@ -18,9 +18,9 @@ from lumped.text import counted
 from validation.drawing import text
 from validation.drawing.turnable import viewer
 from validation.report.agreement import MARKS
-from validation.report.decisions import decision_sentences
 from validation.report.first_screen import FirstScreen, first_screen
 from validation.report.sections import Chapter, chapters_of
+from validation.report.summary import decision_sentences
 from validation.run.outcome import Outcome, Verdict
 from validation.run.records import studies_of
 from validation.run.results import Results

@@ -1,14 +1,18 @@
-"""Lines on the result of a run, for the terminal.
+"""Lines on the result of a run, for the terminal, and sentences on design decisions.
 
-Input: `Results`. Output: lines on comparisons, models, missing figures and changes.
+Input: `Results`. Output: lines on comparisons, models, decisions, missing figures and changes. Rule
+for a decision: a model chooses the parameter value that is best by its own results. The reference
+model evaluates this choice: its loss is the relative amount by which the objective is worse than at
+the best value. Models with an acceptable loss are listed together. Every other model is listed with
+its choice and loss.
 """
 
 from collections.abc import Sequence
 
+from validation.drawing.text import percent
 from validation.report.agreement import agreement_sentence, convergence_sentence
-from validation.report.decisions import decision_sentences
 from validation.report.listing import outcome_line
-from validation.report.words import conditions, sentence
+from validation.report.words import capital, conditions, listed, sentence
 from validation.run import compare
 from validation.run.outcome import Outcome
 from validation.run.results import Results
@@ -57,11 +61,6 @@ def cross_validation(gathered: Results) -> list[str]:
     return [f"Cross-validation: {sentence}".replace("\N{NO-BREAK SPACE}", " ")] if sentence else []
 
 
-def decisions(gathered: Results) -> list[str]:
-    """Lines on the values that models choose for varied parameters. [] if there is no --vary."""
-    return decision_sentences(gathered.outcomes)
-
-
 def left_out(gathered: Results) -> list[str]:
     """Lines on figures that could not be drawn."""
     undrawn = gathered.missing_figures
@@ -87,3 +86,37 @@ def changes(gathered: Results) -> tuple[list[str], bool]:
         *worse,
         f"against the baseline: {compare.sentence(comparison)}",
     ], comparison.worsened
+
+
+# Losses below this are displayed as 0 %.
+_NO_LOSS = 5e-5
+
+
+def decision_sentences(outcomes: Sequence[Outcome]) -> list[str]:
+    """Sentences on the values that models choose for varied parameters. [] without --vary."""
+    groups: dict[str, list[Outcome]] = {}
+    for outcome in outcomes:
+        if outcome.case.kind == "decision":
+            groups.setdefault(outcome.case.label, []).append(outcome)
+    return [_decision_sentence(label, group) for label, group in groups.items()]
+
+
+def _decision_sentence(label: str, outcomes: Sequence[Outcome]) -> str:
+    good = [outcome for outcome in outcomes if outcome.verdict == "agree" and outcome.measurement]
+    skipped = [outcome.case.model for outcome in outcomes if outcome.measurement is None]
+    costly = [outcome for outcome in outcomes if outcome not in good and outcome.measurement]
+    parts = []
+    if good:
+        largest = max(outcome.measurement.value for outcome in good if outcome.measurement) / 100.0
+        names = listed([outcome.case.model for outcome in good])
+        verb = "chooses" if len(good) == 1 else "choose"
+        loss = f"a value at most {percent(largest, signed=False)} worse than the best value"
+        parts.append(f"{names} {verb} {loss if largest >= _NO_LOSS else 'the best value'}")
+    for outcome in costly:
+        if outcome.measurement:
+            loss = percent(outcome.measurement.value / 100.0, signed=False)
+            choice = outcome.measurement.notes[0].removesuffix(".")
+            parts.append(f"{choice}: {loss} worse ({outcome.verdict})")
+    if skipped:
+        parts.append(f"not computed by {listed(skipped)}")
+    return f"{capital(label)}: {'; '.join(parts)}."

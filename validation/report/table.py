@@ -137,8 +137,7 @@ def _cell(matrix: Matrix, note: ModelNote, entry: Entry) -> Cell:
     if entry.mac is not None:
         spread = f"{spread} MAC\u00a0{entry.mac:.2f}".strip()
     # Sheets of one model and quantity against different references need different anchors.
-    kind = ".measured" if entry.measured else ""
-    meaning, sheet = sheet_of(matrix, note, entry)
+    kind, name = ".measured" if entry.measured else "", capital(model_name(entry.model))
     return Cell(
         entry=entry,
         text=text,
@@ -146,8 +145,8 @@ def _cell(matrix: Matrix, note: ModelNote, entry: Entry) -> Cell:
         mark=MARKS[entry.verdict],
         hint=entry_line(matrix, entry),
         anchor=anchor(f"{matrix.robot}.{entry.model}.{entry.quantity}{kind}"),
-        title=f"{capital(model_name(entry.model))}, {meaning}: {error_with_spread(entry) or text}",
-        sheet=sheet,
+        title=f"{name}, {entry.quantity.meaning}: {error_with_spread(entry) or text}",
+        sheet=(("Model", note.title), *_numbers(matrix, entry), *_reasons(entry)),
     )
 
 
@@ -294,12 +293,6 @@ def matrix_table(matrix: Matrix) -> ResultTable:
         tuple(cell(matrix, entry) for cell in _COLUMNS.values()) for entry in matrix.entries
     )
     return ResultTable(tuple(_COLUMNS), rows)
-
-
-def sheet_of(matrix: Matrix, note: ModelNote, entry: Entry) -> tuple[str, tuple[Line, ...]]:
-    """Meaning of an entry's quantity, and all details of the entry as terms and texts."""
-    lines = (("Model", note.title), *_numbers(matrix, entry), *_reasons(entry))
-    return entry.quantity.meaning, lines
 
 
 def _numbers(matrix: Matrix, entry: Entry) -> list[Line]:

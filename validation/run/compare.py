@@ -9,7 +9,7 @@ models are listed next to each other.
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from math import isfinite, isnan
-from typing import Any, Literal
+from typing import Any, Literal, TypeAlias
 
 import msgspec
 import numpy as np
@@ -31,6 +31,8 @@ _RANK: dict[Verdict, int] = {"agree": 0, "skipped": 1, "undecided": 2, "disagree
 _CIRCUMSTANCES = ("robot", "robot_sha256", "preset", "options", "versions", "machine")
 # Number of cases listed by the change of their time. --json has all of them.
 _SLOWEST = 10
+ComparedNumber: TypeAlias = Literal["value", "reference"]
+_COMPARED_NUMBERS: tuple[ComparedNumber, ...] = ("value", "reference")
 
 
 @dataclass(frozen=True)
@@ -149,7 +151,14 @@ def compare(before: RunRecord, after: RunRecord) -> RunComparison:
             for a, b in both
             if a.verdict != b.verdict
         ),
-        drifted=() if inputs else tuple(drifted for a, b in both for drifted in _drifts(a, b)),
+        drifted=()
+        if inputs
+        else tuple(
+            change
+            for a, b in both
+            for field in _COMPARED_NUMBERS
+            if (change := drift(a, b, field)) and change.beyond
+        ),
         new=tuple(identifier for identifier in new if identifier not in old),
         removed=tuple(identifier for identifier in old if identifier not in new),
         seconds=tuple(Timing(b.id, a.seconds, b.seconds) for a, b in both),
@@ -296,9 +305,7 @@ def same_pose(first: tuple[float, ...], second: tuple[float, ...]) -> bool:
     )
 
 
-def drift(
-    before: Outcome, after: Outcome, field: Literal["value", "reference"] = "value"
-) -> Drifted | None:
+def drift(before: Outcome, after: Outcome, field: ComparedNumber = "value") -> Drifted | None:
     """Change of a case's value or reference, with the allowed drift.
 
     None if a run lacks the number, or if the poses differ. The allowed drift is the larger of the
@@ -346,11 +353,6 @@ def _different_robots(before: RunRecord, after: RunRecord) -> tuple[str, ...]:
     """
     names = [run.run.get("robot") for run in (before, after)]
     return tuple(map(str, names)) if all(names) and names[0] != names[1] else ()
-
-
-def _drifts(before: Outcome, after: Outcome) -> Iterator[Drifted]:
-    drifts = (drift(before, after, field) for field in ("value", "reference"))
-    return (change for change in drifts if change is not None and change.beyond)
 
 
 def _input_changes(before: RunRecord, after: RunRecord) -> Iterator[InputChange]:

@@ -15,7 +15,7 @@ import msgspec
 
 from validation.case import Case, Declaration, Measurement, Relation
 from validation.drawing.text import function_name
-from validation.record_fields import RESULTS, plain_data
+from validation.record_fields import RESULTS
 from validation.studies_and_figures import Figure, PlannedFigure
 from validation.verdicts import Assessment, Matrix
 
@@ -164,12 +164,6 @@ def outcome_of(
 
 
 _SEVERITY: Mapping[Verdict, int] = {"agree": 0, "undecided": 1, "disagree": 2}
-
-
-def plain(result: Result[Any, Any]) -> Record:
-    """Result as plain data. NaN and infinite numbers are kept."""
-    record: Record = plain_data(result)
-    return record
 
 
 def from_plain(task: Task, record: Mapping[str, Any]) -> AnyResult:

@@ -24,6 +24,7 @@ from lumped.text import did_you_mean
 from validation.case import OUT_OF_MEMORY, Case, Skip, failure_reason
 from validation.context import Context, Preset
 from validation.drawing.text import function_name
+from validation.record_fields import plain_data
 from validation.run.executor import OutOfMemoryCrash, on_cores
 from validation.run.outcome import (
     AnyResult,
@@ -32,7 +33,6 @@ from validation.run.outcome import (
     Task,
     judge,
     outcome_of,
-    plain,
 )
 from validation.run.provisions import Provisions
 from validation.studies_and_figures import PlannedFigure
@@ -120,7 +120,8 @@ def _failed(task: Task, error: Exception) -> Record:
     """Record of a task whose process ended unexpectedly."""
     out_of_memory = isinstance(error, OutOfMemoryCrash)
     advice = f"; {OUT_OF_MEMORY}" if out_of_memory else " (log.txt may have details)"
-    return plain(_without_numbers(task, "failed", 0.0, f"{error}{advice}"))
+    record: Record = plain_data(_without_numbers(task, "failed", 0.0, f"{error}{advice}"))
+    return record
 
 
 def _without_numbers(
@@ -188,7 +189,8 @@ def _begin(catalogue: Catalogue, context: Context, sent: Provisions | None) -> _
 
 
 def _compute(identifier: str, assigned: _Assigned) -> Record:
-    return plain(execute(assigned.tasks[identifier], assigned.context))
+    record: Record = plain_data(execute(assigned.tasks[identifier], assigned.context))
+    return record
 
 
 def execute(task: Task, context: Context) -> AnyResult:

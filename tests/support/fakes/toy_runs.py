@@ -9,7 +9,7 @@ import sys
 import time
 from pathlib import Path
 
-from validation.run.outcome import plain
+from validation.record_fields import plain_data
 from validation.run.runner import execute
 
 HERE = Path(__file__).parent
@@ -124,5 +124,5 @@ def run_in_this_process(_catalogue, context, tasks, *, keep, progress, **_):
     """Replacement of runner.run that computes in this process, for tests not about workers."""
     for task in tasks:
         progress.started(task)
-        keep(record := plain(execute(task, context)))
+        keep(record := plain_data(execute(task, context)))
         progress.finished(task, record)

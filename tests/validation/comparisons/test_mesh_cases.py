@@ -18,8 +18,7 @@ from validation.comparisons.mesh_cases import half_width_shares, tetrahedral_mod
 from validation.context import Context, memo_key
 from validation.drawing.text import number
 from validation.references.robot_on_path import distinct_legs
-from validation.report.figures.meshes import mesh_curves
-from validation.report.figures.studies import families, study_figure
+from validation.report.figures.studies import families, mesh_curves, study_figure
 from validation.run.outcome import judge
 from validation.solids.leg_meshes import formal_order
 from validation.solids.solid_legs import Refinement, solid_compliances

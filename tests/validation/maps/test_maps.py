@@ -29,7 +29,7 @@ from validation.record_fields import plain_data
 from validation.references.reference_parts import assembled
 from validation.references.responses import Model, Responses
 from validation.references.robot_on_path import NOMINAL, robot_at, robot_on_path
-from validation.run.outcome import Result, from_plain, plain
+from validation.run.outcome import Result, from_plain
 from validation.run.records import run_record
 
 pytestmark = pytest.mark.usefixtures("coarse_legs")
@@ -242,7 +242,7 @@ def test_only_grids_have_maps(five_bar):
     context, figure = five_bar
     planned = {task.id: task for task in catalogue(context.robot_file)}
     assert "mechanism.maps" not in {task.id for task in catalogue(load_robot("five-bar"))}
-    record = plain(Result("mechanism.maps", "made", 1.0, found=figure))
+    record = plain_data(Result("mechanism.maps", "made", 1.0, found=figure))
     restored = from_plain(planned["mechanism.maps"], record).found
     assert run_record({}, (), (), [restored]).studies == figure.studies
 

@@ -9,9 +9,8 @@ from msgspec.structs import replace
 from support.pages.report_sample import entry, sample_matrix, sample_report
 
 from validation.drawing.text import anchor, number
-from validation.report.first_screen import first_screen
+from validation.report.first_screen import first_screen, remedies_of
 from validation.report.page import render
-from validation.report.remedies import remedies_of
 from validation.report.sections import LEGS
 from validation.report.table import table_of
 from validation.report.words import conditions, models_to_use, sentence
@@ -267,6 +266,21 @@ def test_remedy_error_range_is_sorted():
     (line,) = remedies_of(matrix_of(*entries), ["beam"])
     assert plain(line.without) == "−8 to −30 %"
     assert plain(line.with_remedy) == "−0.3 to +4 %"
+
+
+def test_interacting_causes_have_amounts():
+    """Of 20 % too soft, shear is +24 % and the feet are −4 %: shares beyond 100 % mean nothing."""
+    causes = (Cause("shear", 1.2), Cause("feet", -0.2), Cause("couplings", 0.0))
+    fields = {"causes": causes, "remedy": "use solid"}
+    soft = [entry("beam", q, error, **fields) for q, error in (("x", 0.2), ("y", 0.25))]
+    (line,) = remedies_of(matrix_of(*soft), ["beam"])
+    assert plain(line.without) == "20 to 25 % too soft"
+    expected = "shear: +24 to +30 %; feet: −4 to −5 % (they interact)"
+    assert plain("; ".join(line.causes)) == expected
+    # Errors of opposite sign along the load, and errors mainly across it, are neither.
+    for along in (-0.25, 0.1):
+        (line,) = remedies_of(matrix_of(soft[0], replace(soft[1], along=along)), ["beam"])
+        assert plain(line.without) == "20 to 25 %"
 
 
 def test_legs_and_measurements_have_tables():

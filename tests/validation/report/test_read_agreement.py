@@ -9,6 +9,7 @@ import csv
 import io
 import re
 from base64 import b64decode
+from html import unescape
 
 import msgspec
 import numpy as np
@@ -248,16 +249,35 @@ def test_csv_matches_comparisons(outcomes):
         )
 
 
-def test_page_and_folder_have_comparison_csv():
-    """The file in the page's link is the one in the folder."""
+def test_page_has_tables_and_csv_of_comparisons():
+    """Cells of the page are those of the tables. The CSV in the page's link is in the folder."""
     outcomes = [redeclared(outcome, section=AGREEMENT, group="bodies") for outcome in DRAWN[0]]
     report = sample_report(outcomes=outcomes)
     markup = render(report)
+    pages = re.findall(r'<table class="plain agreement".*?</table>', markup, re.DOTALL)
+    for page, table in zip(pages, agreement_tables(outcomes), strict=True):
+        (_, *headings), (_, *solid), *rows = (
+            [
+                re.sub("<[^>]+>", "", unescape(cell)).strip()
+                for cell in re.findall(r"<t[dh].*?</t[dh]>", row, re.DOTALL)
+            ]
+            for row in re.findall("<tr.*?</tr>", page, re.DOTALL)
+        )
+        assert (tuple(headings), tuple(solid)) == (table.quantities, table.solid)
+        models = [[name, *map(cell_text, cells)] for name, cells in table.rows]
+        assert rows == [*models, *([cause, *amounts] for cause, amounts in table.causes)]
     encoded = re.search(r'download="cross-validation\.csv" href="data:[^,]*base64,([^"]+)"', markup)
     expected = agreement_rows(outcomes).csv()
     assert b64decode(encoded[1]).decode() == expected
     assert report.tables == {"cross-validation.csv": expected}
     assert sample_report().tables == {}
+
+
+def cell_text(cell):
+    if cell.verdict == "skipped":
+        return "–"
+    arrow = f"{cell.raw}→\N{NO-BREAK SPACE}" if cell.raw else ""
+    return f"{arrow}{cell.text}\N{NO-BREAK SPACE}{cell.mark}{cell.spread}"
 
 
 def relative(outcome):

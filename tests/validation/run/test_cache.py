@@ -1,4 +1,4 @@
-"""The cache on the disk: invalid entries, a full or read-only disk, several processes."""
+"""The cache on the disk: invalid entries, a full disk, several processes and machines."""
 
 import os
 import subprocess
@@ -10,10 +10,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 from numpy.testing import assert_array_equal
+from support.robots.crane import write_meshed_crane
 
 from lumped.memo import forget
+from lumped.robot_file import load_robot
 from validation.run import cache
-from validation.run.cache import CacheEntry, available_cache, find, keep, require_shape
+from validation.run.cache import CacheEntry, available_cache, find, keep, key_of, require_shape
+from validation.run.provisions import provisions
 
 ROOT = Path(__file__).resolve().parents[3]
 ARRAYS = {"powers": np.arange(4.0), "total": np.array(6.0)}
@@ -178,3 +181,25 @@ def test_killed_run_leaves_valid_cache(folder):
     outputs = [process.communicate(timeout=60)[0] for process in processes]
     assert sorted(outputs) == ["", "computing\n"]
     assert [process.returncode for process in processes] == [0, 0]
+
+
+def test_other_machine_gets_files_and_entries(tmp_path, monkeypatch):
+    """The content of a part's file counts, not its path."""
+    monkeypatch.setenv("FLEXPROOF_CACHE", str(tmp_path / "here"))
+    monkeypatch.setenv("TMPDIR", str(tmp_path))
+    robot, key = load_robot(write_meshed_crane(tmp_path)), key_of("stiffness")
+    file = robot.mechanism.bodies["arm"].shape.file
+    content = file.read_bytes()
+    arrays = keep(key, {"stiffness": np.arange(4.0)})
+    sent = provisions(robot, {key: arrays})
+    # Nothing is copied if the file is there, as on a shared disk.
+    assert sent.unpack(robot) is robot
+    file.write_bytes(content + b"changed")
+    monkeypatch.setenv("FLEXPROOF_CACHE", str(tmp_path / "there"))
+    forget()
+    assert find(key) is None
+    unpacked = sent.unpack(robot)
+    copy = unpacked.mechanism.bodies["arm"].shape.file
+    assert copy != file
+    assert copy.read_bytes() == content
+    assert_array_equal(find(key)["stiffness"], np.arange(4.0))

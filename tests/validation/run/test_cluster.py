@@ -38,6 +38,7 @@ from validation import cli
 from validation.context import Context
 from validation.models import reduced_parts
 from validation.parts.sent import value_by_worker
+from validation.record_fields import plain_data
 from validation.references.part_preparation import prepare_parts
 from validation.references.reference_parts import highest_of_parts, solid_parts
 from validation.references.robot_on_path import computed_count, holding, path_postures
@@ -46,7 +47,6 @@ from validation.run import progress, runner
 from validation.run.cache import CacheEntry
 from validation.run.cluster import on_cluster
 from validation.run.folder import RunFolder, open_folder
-from validation.run.outcome import plain
 from validation.solve import varied
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -206,7 +206,7 @@ def test_run_on_cluster_equals_local_run(tmp_path, workers):
     assert "was ended by SIGSEGV" in records.pop("toy.crash")["message"]
     for task in tasks:
         if task.id != "toy.crash":
-            local = plain(runner.execute(task, context))
+            local = plain_data(runner.execute(task, context))
             if task.group == "shared":
                 del local["found"]["notes"]
             remote = records.pop(task.id)

@@ -3,6 +3,7 @@
 import csv
 import gzip
 import io
+import tomllib
 from functools import cache
 
 import numpy as np
@@ -11,12 +12,14 @@ from support.fakes.toy_responses import reference
 from support.robots.crane import write_crane
 from support.robots.robot_from_text import described
 
+import flexproof as fp
 from lumped.mechanism.free_twists import interface_position
 from lumped.mechanism.joint import Side
 from lumped.mechanism.kinematics.postures import reference_posture
 from lumped.robot_file import load_robot
 from lumped.sections import Rectangle
 from validation.adequacy.posture_errors import Compared
+from validation.catalogue import catalogue
 from validation.context import Context
 from validation.drawing import opengl
 from validation.drawing.chart import chart_table
@@ -286,3 +289,31 @@ def test_cantilever_mode_names_are_correct(model):
     share = ALONG_Z / (ALONG_Y + ALONG_Z)
     np.testing.assert_allclose(turning, [0.0, share, 1.0 - share], atol=1e-9)
     np.testing.assert_allclose(names.kinetic[2, texts.index("along z")], 1.0, atol=1e-3)
+
+
+LOADS = """
+[[loads]]
+name = "cutting"
+wrench = [100.0, 50.0, -30.0, 0.0, 0.0, 0.0]
+[[loads]]
+name = "weight"
+gravity = [0.0, 0.0, -9.81]
+"""
+
+
+def test_each_load_has_a_figure_of_forces():
+    """Drive torques in the CSV data are those of `fp.forces` in each pose."""
+    robot = fp.load(tomllib.loads(load_robot("five-bar").text + LOADS))
+    planned = {task.id: task for task in catalogue(robot)}
+    names = [name for name in planned if name.startswith("mechanism.forces.")]
+    assert names == ["mechanism.forces.cutting", "mechanism.forces.weight"]
+    figure = planned["mechanism.forces.cutting"].draw(Context(robot, "quick"))
+    analysis = fp.forces(robot, path=True, loads=["cutting"])
+    rows = table(figure)
+    assert len(rows) == len(analysis.poses)
+    for motor in ("motor1", "motor2"):
+        reactions = [pose.loads["cutting"].reactions for pose in analysis.poses]
+        due = [next(r.drive for r in listed if r.joint == motor) for listed in reactions]
+        column = [float(row[f"{motor}: torque of the drive (N m)"]) for row in rows]
+        np.testing.assert_allclose(column, due, rtol=1e-9)
+    assert "load cutting" in figure.caption

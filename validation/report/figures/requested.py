@@ -1,18 +1,18 @@
-"""Charts of receptances by all models: magnitude and phase over frequency.
+"""Figures that a robot file requests: forces under loads, responses, and a measured response.
 
-Input: a mechanism with harmonic forces, or a robot file with a modal test, and the context of a
-run. Output: charts of responses to these forces or in this test, with the uncertainty band of the
-reference.
+Input: a robot file with loads, harmonic forces or a modal test, and the context of a run. Output:
+planned figures of forces and stresses by beams over the path, and of receptances by all models over
+frequency, with the uncertainty band of the reference.
 """
 
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
 
 from lumped.arrays import Array, ComplexArray
 from lumped.mechanism.kinematics.postures import shown_pose
-from lumped.mechanism.mechanism import Mechanism
 from lumped.robot_file import RobotFile
 from validation.adequacy.judged_models import judged_models
 from validation.adequacy.posture_errors import solved_modes
@@ -29,10 +29,13 @@ from validation.drawing.chart import (
     round_angles,
 )
 from validation.drawing.figures import FigureGroup
+from validation.forces.analysis import forces_in
+from validation.kinematics.poses import postures_on_path
 from validation.measured.modes import modal_prediction
+from validation.models.options import ModelOptions
 from validation.references.modal_reference import dynamic_reference
 from validation.references.responses import UNSOLVED, Responses
-from validation.references.robot_on_path import robot_on_path
+from validation.references.robot_on_path import robot_at, robot_on_path
 from validation.solids.solid_legs import SHARED_SOLIDS
 from validation.studies_and_figures import PATH, PlannedFigure
 from validation.verdicts import MEASURED_RESPONSE
@@ -42,28 +45,28 @@ from validation.verdicts import MEASURED_RESPONSE
 _LOWEST_SHARE = 0.01
 # Ratio of the highest drawn frequency to the highest frequency of the measured modes.
 _FREQUENCY_FACTOR = 1.2
+_REFERENCE, _FREQUENCY = "solid", "frequency (Hz)"
+# Parts condensed on their interfaces are exact in statics, whatever their number of interfaces.
+_OPTIONS = ModelOptions(parts="condensed")
 
 
-def figures(mechanism: Mechanism) -> tuple[PlannedFigure, ...]:
-    """Figures of the responses that the robot file requests."""
-    group = FigureGroup(PATH, SHARED_SOLIDS)
+def figures(robot_file: RobotFile) -> tuple[PlannedFigure, ...]:
+    """Planned figures: one for each load and response, and one of a measured response if any."""
+    mechanism, forces, measured = robot_file.mechanism, FigureGroup(PATH, ""), FigureGroup(PATH, "")
+    responses = FigureGroup(PATH, SHARED_SOLIDS)
+    for load in mechanism.loads:
+        identity = f"mechanism.forces.{load.name}", f"Forces and stresses: {load.name}"
+        forces.figure(*identity)(partial(_forces, load=load.name))
     for number, excitation in enumerate(mechanism.excitations):
         identity = (
             f"mechanism.response.{excitation.name}",
             f"{'Response of the tool' if excitation.is_direct else 'Response'}: {excitation.name}",
         )
-        group.figure(*identity, effort=3.0)(partial(_response, number=number))
-    return group()
-
-
-def measured_figures(robot_file: RobotFile) -> tuple[PlannedFigure, ...]:
-    """Figure of the measured response and the models. () if no measured value has a response."""
-    group = FigureGroup(PATH, "")
+        responses.figure(*identity, effort=3.0)(partial(_response, number=number))
     if any(value.response is not None for value in robot_file.measured):
-        group.figure(
-            MEASURED_RESPONSE, "Measured response and responses of the models", effort=2.0
-        )(_measured)
-    return group()
+        title = "Measured response and responses of the models"
+        measured.figure(MEASURED_RESPONSE, title, effort=2.0)(_measured)
+    return (*forces(), *responses(), *measured())
 
 
 def _measured(context: Context) -> Chart:
@@ -172,4 +175,11 @@ def _response(context: Context, number: int) -> Chart:
     )
 
 
-_REFERENCE, _FREQUENCY = "solid", "frequency (Hz)"
+def _forces(context: Context, load: str) -> Chart:
+    mechanism = context.robot_file.mechanism
+    loads = tuple(item for item in mechanism.loads if item.name == load)
+    postures = postures_on_path(replace(mechanism, loads=loads), mechanism.poses)
+    result = forces_in(robot_at(context, postures), "beam", _OPTIONS, part_meshes=False)
+    if all(pose.loads[load] is None for pose in result.poses):
+        raise Skip("the mechanism cannot move as the load requires")
+    return result.chart(load)
