@@ -499,6 +499,7 @@ def check(robot: RobotName) -> int:
     from lumped.robot_file import load_robot  # noqa: PLC0415
     from validation.kinematics.poses import postures_on_path  # noqa: PLC0415
     from validation.models.plausibility import robot_findings  # noqa: PLC0415
+    from validation.models.warping_check import warping_text  # noqa: PLC0415
     from validation.paper.errata import paper_findings  # noqa: PLC0415
     from validation.report.listing import audit_text  # noqa: PLC0415
 
@@ -514,6 +515,8 @@ def check(robot: RobotName) -> int:
     write_results(audit_text(robot, mechanism, findings, pose_count))
     if of_parts:
         write_results(of_parts)
+    if of_warping := warping_text(mechanism):
+        write_results(of_warping)
     return 0
 
 

@@ -18,7 +18,9 @@ class SectionProperties(Section):
     `A` is the area (m²). `Iy` = ∫z² dA, `Iz` = ∫y² dA and `Iyz` = ∫yz dA are second moments of area
     (m⁴), and `J` is the torsion constant (m⁴). `Ay` and `Az` are the shear areas κA (m²) along y
     and z. None if there is no shear deformation. (`ys`, `zs`) is the position (m) of the shear
-    centre relative to the centroid. The defaults are those of a section with two axes of symmetry.
+    centre relative to the centroid. `Iw` is the warping constant (m⁶) about the shear centre. None
+    if it is not known. No model depends on it. The other defaults are those of a section with two
+    axes of symmetry.
     """
 
     A: float
@@ -30,6 +32,7 @@ class SectionProperties(Section):
     Az: float | None = None
     ys: float = 0.0
     zs: float = 0.0
+    Iw: float | None = None
     shape: ClassVar[str] = "properties"
 
     @property

@@ -57,6 +57,7 @@ _CORNERS = Several(_CORNER, most=200, least=3)
 _AREA = Number("m²", least=1e-12, most=100.0, high=IN_MM)
 _MOMENT = Number("m⁴", least=1e-24, most=1e4, high=IN_MM)
 _PRODUCT = Number("m⁴", least=-1e4, most=1e4, low=IN_MM, high=IN_MM)
+_WARPING = Number("m⁶", least=0.0, most=1e6, high=IN_MM)
 _OF_CENTRE = Number("m", least=-10.0, most=10.0, low=IN_MM, high=IN_MM)
 # From the leg's axis; fibres at 90 run around it.
 _ANGLE = Number("degrees", least=-180.0, most=180.0)
@@ -330,6 +331,7 @@ _OWN_KEYS: dict[str, tuple[Key, ...]] = {
         Key("Az", _AREA, "shear area κA along z; given with Ay"),
         Key("ys", _OF_CENTRE, "y of the shear centre from the centroid", default=0.0),
         Key("zs", _OF_CENTRE, "z of the shear centre from the centroid", default=0.0),
+        Key("Iw", _WARPING, "warping constant about the shear centre; `check` alone uses it"),
     ),
     "polygon": (
         needed("outline", _CORNERS, "its corners [y, z] in order, from any origin"),
