@@ -84,7 +84,8 @@ class _KindRow(NamedTuple):
     The templates belong to the properties `name`, `label`, `meaning` and `loading` of `Quantity`.
     They contain placeholders such as {key} and {axis}. `loading` is "" for kinds without a unit
     load. `whole`: True for vectors that are compared as a whole, so that their errors have no sign.
-    `rotational`: True for rotations under a moment.
+    `rotational`: True for rotations under a moment. `any_direction`: True if the unit load has the
+    direction that gives the largest error.
     """
 
     group: QuantityGroup
@@ -96,6 +97,7 @@ class _KindRow(NamedTuple):
     loading: str = ""
     whole: bool = False
     rotational: bool = False
+    any_direction: bool = False
 
 
 _KIND, _GROUP = QuantityKind, QuantityGroup
@@ -112,6 +114,7 @@ _KINDS = {
         *("m/N", "any_force", "any force", "displacement under any force"),
         "worst direction of force",
         whole=True,
+        any_direction=True,
     ),
     _KIND.LOAD: _KindRow(
         *(_GROUP.LOADS, Domain.STATIC),
@@ -244,14 +247,20 @@ class Quantity:
         return _KINDS[self.kind].rotational
 
     @property
+    def any_direction(self) -> bool:
+        """True if the unit load has the direction that gives the largest error."""
+        return _KINDS[self.kind].any_direction
+
+    @property
     def static_column(self) -> int:
         """Index of the displacement of the quantity among the displacements under all loads.
 
-        Order: unit loads along and about the axes, the unit force in the direction of the largest
-        error (ANY_FORCE), loads of the robot file.
+        Order: `UNIT_LOADS` (unit loads along and about the axes, then unit loads in the direction
+        of the largest error), loads of the robot file.
         """
-        first = {_KIND.ANY_FORCE: len(AXES), _KIND.LOAD: len(AXES) + 1}
-        return first.get(self.kind, 0) + self.column
+        if self.any_direction:
+            return len(AXES) + self.column
+        return self.column + len(UNIT_LOADS) * (self.kind is _KIND.LOAD)
 
     @property
     def mode(self) -> int | None:

@@ -16,7 +16,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from lumped.acceptance.quantities import ANY_FORCE, ORDER, Quantity, QuantityKind
+from lumped.acceptance.quantities import ORDER, Quantity, QuantityKind
 from lumped.acceptance.requirement import Requirement
 from lumped.arrays import Array, IntArray
 from validation.adequacy.errors import Errors, first_largest, verdicts_of
@@ -155,7 +155,7 @@ def _entry(
         lows=low,
         highs=high,
         # Empty if the values of the poses belong to different forces or modes and are no curve.
-        values=() if quantity in (ANY_FORCE, ORDER) else _optional(errors.value[0]),
+        values=() if quantity.any_direction or quantity == ORDER else _optional(errors.value[0]),
         alongs=alongs,
         computed_by=(*model.computed_by, *reference.computed_by),
         probability=chances.within if chances else None,
@@ -264,13 +264,14 @@ def _errors_along_load(errors: Errors, rows: IntArray) -> tuple[float | None, ..
 
 
 def _worst_force(errors: Errors, quantity: Quantity, position: Position) -> tuple[float, ...]:
-    """Direction (3) of the force with the largest error, for the quantity "any force".
+    """Direction (3) of the force or moment with the largest error, for a load in any direction.
 
-    () for any other quantity. `position`: index of the interpretation and of the pose.
+    () for quantities with another load. `position`: index of the interpretation and of the pose.
     """
-    if errors.displacement is None or quantity != ANY_FORCE:
+    if errors.displacement is None or not quantity.any_direction:
         return ()
-    return tuple(float(number) for number in errors.displacement.wrench[position][:3])
+    wrench = errors.displacement.wrench[position]
+    return tuple(float(number) for number in (wrench[3:] if quantity.rotational else wrench[:3]))
 
 
 def _pose(subject: Subject, index: int) -> tuple[float, ...]:

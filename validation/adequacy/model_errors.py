@@ -12,7 +12,7 @@ from typing import NamedTuple, TypeVar
 
 import numpy as np
 
-from lumped.acceptance.quantities import ANY_FORCE, ORDER, Quantity, QuantityKind
+from lumped.acceptance.quantities import ORDER, Quantity, QuantityKind
 from lumped.arrays import Array, IntArray
 from validation.adequacy.errors import DisplacementErrors, Errors, ModePairing, stack_errors
 from validation.references.reference import Interpretation, Reference, Source, Subject
@@ -314,7 +314,7 @@ class ModelErrors:
         # most ε |u|/|u*|, for displacements u of the model and u* of the reference. For any force,
         # |u|/|u*| is at most 1 + error.
         reach = 1.0 + size
-        if quantity != ANY_FORCE:
+        if not quantity.any_direction:
             along = reference_displacements / np.where(elastic, length, np.inf)[:, None]
             reach = np.linalg.norm(difference + along, axis=1)
 

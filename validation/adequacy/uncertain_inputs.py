@@ -12,7 +12,7 @@ from functools import cached_property
 
 import numpy as np
 
-from lumped.acceptance.quantities import ANY_FORCE, Quantity
+from lumped.acceptance.quantities import Quantity
 from lumped.arrays import Array
 from validation.adequacy.errors import Errors
 from validation.adequacy.model_errors import ModelErrors
@@ -51,7 +51,7 @@ class UncertainInputs:
             for all_errors in self._model_errors
         )
         forces = None
-        if quantity == ANY_FORCE:
+        if quantity.any_direction:
             forces = _worst_forces([nominal_errors, *(robot.errors for robot in (*below, *above))])
         slopes = [
             Slope(

@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from typing import Any, TypeAlias
 
 from lumped.acceptance.quantities import (
-    ANY_FORCE,
     ORDER,
     Quantity,
     QuantityKind,
@@ -171,7 +170,7 @@ def _robot_number(matrix: Matrix, quantity: Quantity) -> tuple[str, str]:
         if entry.quantity == quantity and entry.error is not None and entry.expected is not None
     ]
     # No value for any force, whose worst direction differs between robots; the detail sheet has it.
-    if not entries or quantity in {ANY_FORCE, ORDER} or entries[0].measured:
+    if not entries or quantity.any_direction or quantity == ORDER or entries[0].measured:
         return "", ""
     best = min(entries, key=lambda entry: abs(entry.error or 0.0))
     unit, scale, size = quantity.unit, 1.0, best.expected or 0.0

@@ -82,11 +82,11 @@ def relative(difference: Statics, reference: Statics, quantity: Quantity) -> Rel
     displacement under a unit force.
     """
     is_load = quantity.kind is QuantityKind.LOAD
-    rows = slice(3, 6) if quantity.rotational else slice(0, 3)
+    rows = _rows(quantity)
     wrench = np.zeros((len(reference.compliances), len(AXES)))
     block = reference.compliances[:, rows, rows]
     floor = np.zeros(len(block))
-    if quantity.kind is QuantityKind.ANY_FORCE:
+    if quantity.any_direction:
         wrench[:, rows] = worst_force(difference.compliances[:, rows, rows], block).force
         floor = FLOOR * np.linalg.norm(block, 2, axis=(1, 2))
     elif not is_load:
@@ -127,6 +127,11 @@ def relative(difference: Statics, reference: Statics, quantity: Quantity) -> Rel
     )
 
 
+def _rows(quantity: Quantity) -> slice:
+    """Rows of a twist, and columns of a wrench, of the quantity: rotation or translation."""
+    return slice(3, 6) if quantity.rotational else slice(0, 3)
+
+
 def difference_under(
     model: Statics, reference: Statics, quantity: Quantity, wrench: Array
 ) -> tuple[Array, Array]:
@@ -139,8 +144,9 @@ def difference_under(
         statics.displacements(quantity, wrench) for statics in (reference, model)
     )
     length = np.linalg.norm(expected, axis=-1)
-    if quantity.kind is QuantityKind.ANY_FORCE:
-        block = reference.compliances[:, :3, :3]
+    if quantity.any_direction:
+        rows = _rows(quantity)
+        block = reference.compliances[:, rows, rows]
         length = np.maximum(length, FLOOR * np.linalg.norm(block, 2, axis=(1, 2)))
     return displacement - expected, length
 
