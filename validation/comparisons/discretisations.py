@@ -14,6 +14,7 @@ from validation.models.options import (
     DEFAULT_OPTIONS,
     LITERAL_ORDER,
     MODELS,
+    OF_ELEMENTS,
     Ends,
     ModelOptions,
     RefinedModel,
@@ -128,10 +129,12 @@ class Discretisation:
         return f"{self.model}{theory}{layout}"
 
 
-FORMULATIONS = (
-    Discretisation("segments", "half"),
-    Discretisation("segments", "literal"),
-    Discretisation("beam"),
+# Layouts of the springs, by model. Other models have no springs.
+_LAYOUTS: Mapping[str, tuple[Layout, ...]] = {"segments": ("half", "literal")}
+FORMULATIONS = tuple(
+    Discretisation(model, layout)
+    for model in OF_ELEMENTS
+    for layout in _LAYOUTS.get(model, ("half",))
 )
 # The formulations without shear and rotary inertia.
 EULER_BERNOULLI = tuple(

@@ -59,8 +59,8 @@ DEFAULT_OPTIONS = ModelOptions()
 # Orders of convergence of frequencies in 1/elements: segments with half-length end springs,
 # segments with springs between them only, beams with cubic shape functions.
 SEGMENT_ORDER, LITERAL_ORDER, BEAM_ORDER = 2.0, 1.0, 4.0
-STATIC: tuple[ModelName, ...] = get_args(StaticModel)
-OF_ELEMENTS: tuple[ModelName, ...] = get_args(ElementModel)
+STATIC: tuple[StaticModel, ...] = get_args(StaticModel)
+OF_ELEMENTS: tuple[ElementModel, ...] = get_args(ElementModel)
 
 
 class ModelProperties(NamedTuple):

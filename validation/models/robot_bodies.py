@@ -6,7 +6,7 @@ bodies, which is exact; dynamic models are reduced with all modes below a cut-of
 bodies are modelled once for all postures.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from math import isclose
@@ -57,7 +57,7 @@ _ALIKE = 1e-9
 # Ratio of the cut-off frequency to the highest frequency of interest, by model. Beams and segments
 # are cheap to reduce well: the error at the highest frequency falls with the seventh power of this
 # factor, to 1e-5 at 2.5 and below 1e-6 at four.
-CUTOFF = {**dict.fromkeys(OF_ELEMENTS, 4.0), "solid": CUTOFF_FACTOR}
+CUTOFF: Mapping[str, float] = {**dict.fromkeys(OF_ELEMENTS, 4.0), "solid": CUTOFF_FACTOR}
 # Total number of unknowns up to which a direct solution is as fast as a reduction.
 FEW = 600
 
