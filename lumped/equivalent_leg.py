@@ -2,16 +2,13 @@
 
 from dataclasses import replace
 from math import sqrt
-from typing import Literal, TypeAlias
 
 import numpy as np
 
 from lumped.errors import InputError
 from lumped.legs import ConstantLeg, GivenLeg, Leg, Material, SectionedLeg, given_compliance
+from lumped.model_choices import EquivalentBy
 from lumped.sections import Rectangle
-
-# Matrix whose diagonal is matched: the 6×6 stiffness or the 6×6 compliance.
-EquivalentBy: TypeAlias = Literal["stiffness", "compliance"]
 
 
 def constant_leg(

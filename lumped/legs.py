@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, fields
 from functools import cached_property
 from itertools import pairwise
-from typing import Literal, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 
@@ -17,11 +17,9 @@ from lumped.centre_line import CentreLine
 from lumped.errors import ComputationError
 from lumped.line_sections import FIELDS, TOGETHER, LineSections
 from lumped.memo import memo
+from lumped.model_choices import Ends, Theory
 from lumped.sections import Section, symmetric_moments
 from lumped.tapers import NODES, TAPER, taper_flexibilities, taper_rates
-
-Theory: TypeAlias = Literal["euler-bernoulli", "timoshenko"]
-Ends: TypeAlias = Literal["rigid", "free"]
 
 # Largest value of 2νG/E in the shear coefficient κ. At 1 the Poisson's ratio ν′ would be infinite.
 _LARGEST_RATIO = 0.999

@@ -25,10 +25,8 @@ from typing import TYPE_CHECKING, Any, get_type_hints
 import numpy as np
 
 from fem.machine import usable_cores
-from lumped.equivalent_leg import EquivalentBy
 from lumped.errors import InputError
-from lumped.legs import Theory
-from lumped.models.segments import Layout, Release
+from lumped.model_choices import Theory
 from lumped.robot_file import RobotFile, load_robot, robot_of
 from lumped.robot_file.places import unit_of
 from lumped.robot_file.written import toml_of, toml_value
@@ -772,9 +770,7 @@ def export(
 
 def _model_options(options: dict[str, Any]) -> dict[str, Any]:
     """`options` unchanged. Raises InputError with a fault for each value of a wrong type."""
-    # The module of the options imports their types for type checkers only.
-    names = {"Theory": Theory, "Layout": Layout, "Release": Release, "EquivalentBy": EquivalentBy}
-    types = get_type_hints(ModelOptions, localns=names)
+    types = get_type_hints(ModelOptions)
     if faults := [
         fault
         for name, value in options.items()

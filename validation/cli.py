@@ -21,6 +21,7 @@ from cyclopts import App, CycloptsError, Parameter, UnusedCliTokensError
 from fem.extras import require_extra
 from fem.machine import TO_COMPUTE, TO_READ, require_room, usable_cores
 from lumped.errors import EXHAUSTED, ComputationError, InputError, ProgramError, remarks_to
+from lumped.model_choices import Ends, Layout, ReductionBy, Release
 from lumped.robots import FIRST_TYPE, RobotType
 from lumped.solver_request import HOSTS_VARIABLE, RANKS_VARIABLE, VARIABLE
 from lumped.text import shortened, visible
@@ -349,10 +350,10 @@ def solve(
     body: str | None = None,
     modes: WholeNumber | None = None,
     options: ModelChoices = DEFAULT_MODEL,
-    release: Literal["condensed", "printed"] | None = None,
-    layout: Literal["half", "literal"] | None = None,
-    ends: Literal["rigid", "free", "free-free"] | None = None,
-    reduction: Literal["fixed", "free"] | None = None,
+    release: Release | None = None,
+    layout: Layout | None = None,
+    ends: Literal[Ends, "free-free"] | None = None,
+    reduction: ReductionBy | None = None,
     accuracy: float | None = None,
     against: ModalModel | None = None,
     vary: tuple[str, ...] = (),

@@ -50,9 +50,9 @@ from fem.sections.nonuniform_torsion import WarpingRod, line_products
 from lumped.arrays import Array, IntArray, SparseMatrix
 from lumped.beam_properties import BeamProperties, prism_sections
 from lumped.errors import InputError
-from lumped.legs import Ends
 from lumped.mechanism.body_model import LegMatrices
 from lumped.memo import memo
+from lumped.model_choices import Ends
 
 # Degree of the quadrature: exact for the product of two cubics, the highest degree in the mass.
 _INTEGRATION_ORDER = 6

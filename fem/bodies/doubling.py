@@ -40,7 +40,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.linalg import LinAlgError, cholesky, qr, solve_triangular
 
-from fem.bodies.solid import Ends, solid_leg
+from fem.bodies.solid import solid_leg
 from fem.couplings.grips import rigid_motions, saint_venant_loads
 from fem.sections.composite import wrench_states
 from fem.sections.moduli import leg_moduli
@@ -48,6 +48,7 @@ from fem.sections.reversal import Reversal, reversal_of
 from lumped.arrays import Array, SparseMatrix
 from lumped.errors import ComputationError, InputError, naming
 from lumped.legs import ConstantLeg
+from lumped.model_choices import Ends
 from lumped.screws import shift
 from meshes.prism import extrude
 from meshes.section.section_mesh import SectionMesh, require_leg

@@ -3,7 +3,6 @@
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from math import ceil
-from typing import Literal, TypeAlias
 
 import numpy as np
 from scipy.sparse import block_diag, csr_array, eye_array, kron
@@ -25,6 +24,7 @@ from lumped.centre_line import CentreLine
 from lumped.errors import InputError, naming
 from lumped.legs import LineLeg, SectionedLeg
 from lumped.mechanism.body_model import LegMatrices
+from lumped.model_choices import Ends
 from lumped.screws import turn
 from meshes.elements import ELEMENTS
 from meshes.loft import LoftedMesh, loft, slices_along
@@ -33,8 +33,6 @@ from meshes.prism import extrude, stations
 from meshes.section.section_blocks import Divisions, element_length
 from meshes.section.section_mesh import SectionMesh, require_leg, section_mesh
 from meshes.solid_mesh import EndFace, SolidMesh
-
-Ends: TypeAlias = Literal["rigid", "free"]
 
 # Length of a slice divided by the element size in the section. For the cubic deflection under a tip
 # load, quadratic slices have a relative error of 0.08 (slice²/(b L))²: 1e-5 at four divisions and

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from typing import Literal, TypeAlias, get_args
 
 from lumped.acceptance.quantities import Quantity, QuantityKind, quantities
-from lumped.legs import Ends
+from lumped.model_choices import Ends
 
 # Smallest relative error that a file may require: no model of a robot is more accurate.
 SMALLEST_SHARE = 1e-6

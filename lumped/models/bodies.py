@@ -11,30 +11,21 @@ that consists of stiffness and mass matrices.
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Literal, TypeAlias
 
 import numpy as np
 
 from lumped.arrays import Array, dense
 from lumped.dense.modes import Modes, solve_modes
 from lumped.dense.statics import balanced_flexibility, solve_statics
-from lumped.equivalent_leg import EquivalentBy, equivalent_leg, sectioned_leg
+from lumped.equivalent_leg import equivalent_leg, sectioned_leg
 from lumped.errors import ComputationError, InputError
-from lumped.legs import (
-    ConstantLeg,
-    GivenLeg,
-    Leg,
-    LineLeg,
-    Theory,
-    given_compliance,
-    sectioned_compliance,
-)
+from lumped.legs import ConstantLeg, GivenLeg, Leg, LineLeg, given_compliance, sectioned_compliance
 from lumped.mechanism.body import Body
 from lumped.mechanism.body_model import LegMatrices
 from lumped.mechanism.mechanism import Mechanism
+from lumped.model_choices import EquivalentBy, LegSprings, Theory
 from lumped.screws import shift
 
-LegSprings: TypeAlias = Literal["given", "equivalent"]
 _ROOT = 6
 # Number of rigid-body motions of an unsupported body.
 RIGID_MOTIONS = 6

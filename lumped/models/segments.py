@@ -14,7 +14,7 @@ leg of length L is divided into n equal elements in one of two layouts:
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Literal, NamedTuple, TypeAlias
+from typing import NamedTuple
 
 import numpy as np
 from scipy.sparse import coo_matrix, csr_matrix
@@ -25,12 +25,9 @@ from lumped.centre_line import CentreLine
 from lumped.errors import InputError
 from lumped.line_sections import LineSections
 from lumped.mechanism.body_model import LegMatrices
+from lumped.model_choices import Layout
 from lumped.screws import shift
 from lumped.system.joint_motion import printed_release
-
-Layout: TypeAlias = Literal["half", "literal"]
-# Release of rotation in the robot's revolute joints: by condensation, or by eq. (25) as printed.
-Release: TypeAlias = Literal["condensed", "printed"]
 
 _ALONG = np.array([1.0, 0.0, 0.0])
 # Twist components of each kind of deformation, for a spring referred to the middle of its piece.

@@ -19,15 +19,7 @@ from lumped.arrays import Array
 from lumped.beam_properties import prism_sections
 from lumped.equivalent_leg import equivalent_leg
 from lumped.errors import ComputationError, InputError
-from lumped.legs import (
-    ConstantLeg,
-    GivenLeg,
-    Leg,
-    LineLeg,
-    NoBeamTheoryError,
-    Theory,
-    is_bent,
-)
+from lumped.legs import ConstantLeg, GivenLeg, Leg, LineLeg, NoBeamTheoryError, is_bent
 from lumped.line_sections import LineSections
 from lumped.mechanism.body import Rigid
 from lumped.mechanism.free_twists import drive_in, free_twists, interface_position
@@ -43,6 +35,7 @@ from lumped.mechanism.load import (
     Loading,
 )
 from lumped.mechanism.mechanism import GROUND, Posture
+from lumped.model_choices import Theory
 from lumped.screws import shift, skew, turn
 from lumped.system.assembly import System, rigid_mass
 from lumped.system.joint_motion import Portion

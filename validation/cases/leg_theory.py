@@ -19,7 +19,6 @@ from fem.beams.beam_theory import (
     cantilever_frequencies,
     frequency_of_kind,
 )
-from fem.bodies.solid import Ends
 from fem.couplings.wave_cantilever import beam_frequency, cut_off, prism_frequency, wave_frequency
 from fem.couplings.wave_stiffness import PrismWaves, prism_waves
 from fem.sections import nonuniform_torsion
@@ -30,6 +29,7 @@ from lumped.beam_properties import BeamProperties, tip_compliance
 from lumped.errors import ComputationError
 from lumped.legs import ConstantLeg
 from lumped.memo import memo
+from lumped.model_choices import Ends
 from lumped.text import counted
 from validation.case import Allowance, Measurement, Relative, Skip
 from validation.case_group import CaseGroup, numbered

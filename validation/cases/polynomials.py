@@ -16,8 +16,9 @@ from numpy.typing import NDArray
 from lumped.acceptance.quantities import AXES, ROTATIONS
 from lumped.arrays import Array
 from lumped.dense.modes import FewerModesError
-from lumped.legs import LineLeg, Theory
+from lumped.legs import LineLeg
 from lumped.mechanism.mechanism import Mechanism, Posture
+from lumped.model_choices import Theory
 from lumped.models import vjm
 from lumped.models.bodies import legs_of, tip_compliances
 from lumped.models.serial_chains import serial_chains

@@ -18,10 +18,11 @@ from scipy.linalg import block_diag, eigh, null_space, pinvh
 from lumped.arrays import Array
 from lumped.equivalent_leg import equivalent_leg
 from lumped.errors import ComputationError, InputError
-from lumped.legs import ConstantLeg, GivenLeg, Leg, LineLeg, Theory
+from lumped.legs import ConstantLeg, GivenLeg, Leg, LineLeg
 from lumped.mechanism.body import Rigid
 from lumped.mechanism.joint import Joint, Side
 from lumped.mechanism.mechanism import GROUND, Mechanism, Posture
+from lumped.model_choices import Theory
 from validation.cases.ritz_legs import (
     RitzLeg,
     point_transfer,

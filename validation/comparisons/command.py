@@ -7,9 +7,10 @@ of convergence as text on stdout, and the requested files.
 import re
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 from lumped.errors import InputError
+from lumped.model_choices import Theory
 from validation.console.streams import write_messages, write_results
 from validation.console.typed import (
     DEFAULT_SOLVER,
@@ -42,7 +43,7 @@ def converge(
     model: RefinedModel | None = None,
     elements: str | None = None,
     divisions: str | None = None,
-    theory: Literal["euler-bernoulli", "timoshenko"] | None = None,
+    theory: Theory | None = None,
     quantity: str = "f1",
     within: float | None = None,
     json: AsJson = False,

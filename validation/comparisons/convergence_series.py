@@ -23,7 +23,7 @@ from functools import cached_property
 import numpy as np
 
 from lumped.arrays import Array
-from lumped.legs import Theory
+from lumped.model_choices import Theory
 from validation.comparisons.discretisations import Discretisation
 from validation.uncertainty.grid_convergence import (
     CLOSE_TO_FORMAL,

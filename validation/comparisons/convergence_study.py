@@ -14,9 +14,8 @@ import numpy as np
 
 from lumped.acceptance.requirement import DEFAULT_LIMITS, AgreementLimits
 from lumped.errors import InputError
-from lumped.legs import Theory
 from lumped.mechanism.mechanism import UNITS_OF_MOVES
-from lumped.models.segments import Layout
+from lumped.model_choices import Layout, Theory
 from validation.comparisons.convergence_chart import ErrorCurve, ErrorPanel, convergence_chart
 from validation.comparisons.convergence_series import TARGETS, ConvergenceSeries
 from validation.comparisons.convergence_text import (

@@ -8,14 +8,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
-from lumped.legs import Theory
-from lumped.models.segments import Layout
+from lumped.model_choices import Ends, Layout, Theory
 from validation.models.options import (
     DEFAULT_OPTIONS,
     LITERAL_ORDER,
     MODELS,
     OF_ELEMENTS,
-    Ends,
     ModelOptions,
     RefinedModel,
 )

@@ -20,10 +20,11 @@ from fem.beams.stepped import SteppedLeg
 from lumped.arrays import Array
 from lumped.beam_properties import tip_compliance
 from lumped.errors import InputError
-from lumped.legs import ConstantLeg, SectionedLeg, Theory
+from lumped.legs import ConstantLeg, SectionedLeg
 from lumped.mechanism.body_model import LegMatrices
 from lumped.mechanism.mechanism import Mechanism, Posture
 from lumped.memo import memo
+from lumped.model_choices import Theory
 from lumped.models.bodies import clamped_modes, legs_of, tip_compliance_of
 from lumped.system.assembly import assembly
 from lumped.system.solution import Solved, compliance, modes, solved

@@ -20,7 +20,8 @@ from fem.beams.beam_theory import Kind
 from lumped.acceptance.requirement import AgreementLimits
 from lumped.arrays import Array
 from lumped.beam_properties import tip_compliance
-from lumped.legs import ConstantLeg, Ends
+from lumped.legs import ConstantLeg
+from lumped.model_choices import Ends
 from lumped.sections import Rectangle
 from meshes.section.section_blocks import WALL_ASPECT
 from validation.case import Allowance, Measurement, Skip

@@ -32,11 +32,12 @@ from lumped.acceptance.requirement import AgreementLimits
 from lumped.arrays import Array
 from lumped.beam_properties import BeamProperties
 from lumped.errors import InputError
-from lumped.legs import ConstantLeg, Ends, LineLeg
+from lumped.legs import ConstantLeg, LineLeg
 from lumped.line_sections import LineSections
 from lumped.mechanism.body_model import LegMatrices
 from lumped.mechanism.mechanism import Mechanism
 from lumped.memo import memo
+from lumped.model_choices import Ends
 from lumped.models.bodies import clamped_modes, legs_of
 from meshes.loft import mesh_section, stretched
 from meshes.section.section_mesh import SectionMesh, section_mesh

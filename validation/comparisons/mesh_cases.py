@@ -16,6 +16,7 @@ import numpy as np
 from fem.bodies.solid import clamped_leg, solid_leg
 from lumped.arrays import Array
 from lumped.legs import ConstantLeg
+from lumped.model_choices import Ends
 from lumped.sections import Rectangle
 from lumped.text import counted
 from meshes.prism import tetrahedra
@@ -24,7 +25,6 @@ from validation.case_group import CaseGroup
 from validation.cases.leg_theory import ENTRIES, beam_mode_count, compliances, frequencies
 from validation.context import Context
 from validation.models.leg_models import constant_leg_of
-from validation.models.options import Ends
 from validation.solids.leg_meshes import doubled_unknowns, formal_order
 from validation.solids.solid_legs import GRIDS_FOR_ORDER, ROUND_OFF, Refinement, SolidModes
 from validation.studies_and_figures import MESHES, Study

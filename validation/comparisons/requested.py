@@ -11,9 +11,10 @@ from fem.beams.stepped import SteppedLeg
 from lumped.acceptance.requirement import MOST_ELEMENTS
 from lumped.equivalent_leg import sectioned_leg
 from lumped.errors import InputError
-from lumped.legs import SectionedLeg, Theory
+from lumped.legs import SectionedLeg
 from lumped.mechanism.kinematics.postures import posture, reference_posture
 from lumped.mechanism.mechanism import Mechanism, Posture
+from lumped.model_choices import Theory
 from lumped.models.bodies import legs_of
 from lumped.robot_file import RobotFile
 from validation.comparisons.convergence_study import ConvergenceStudy

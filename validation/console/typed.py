@@ -20,6 +20,7 @@ from cyclopts import Parameter, Token
 from fem.solvers.backends.request import request_solver
 from lumped.errors import InputError, write_error
 from lumped.files import write_whole
+from lumped.model_choices import EquivalentBy, LegSprings, PartLegs, Theory
 from validation.console.marks import is_marked, with_mark
 from validation.console.streams import write_messages
 
@@ -126,12 +127,12 @@ class ModelChoices:
         interfaces. Default: equivalent.
     """
 
-    legs: Literal["given", "equivalent"] | None = None
-    theory: Literal["euler-bernoulli", "timoshenko"] | None = None
+    legs: LegSprings | None = None
+    theory: Theory | None = None
     elements: WholeNumber | None = None
     divisions: WholeNumber | None = None
-    equivalent: Literal["stiffness", "compliance"] | None = None
-    parts: Literal["equivalent", "stepped", "condensed"] | None = None
+    equivalent: EquivalentBy | None = None
+    parts: PartLegs | None = None
 
     def given(self, **further: object) -> dict[str, object]:
         """Options that the user gave, by name, together with `further` options.

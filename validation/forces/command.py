@@ -4,11 +4,12 @@ Input: the name of a robot file and the options of the command. Output: text or 
 the requested files.
 """
 
-from typing import Annotated, Literal
+from typing import Annotated
 
 from cyclopts import Parameter
 
 from fem.machine import TO_COMPUTE, require_room
+from lumped.model_choices import Ends
 from validation.console.streams import write_results
 from validation.console.typed import (
     DEFAULT_MODEL,
@@ -37,7 +38,7 @@ def forces(
     pose: Annotated[tuple[str, ...], Parameter(allow_leading_hyphen=True)] = (),
     path: bool = False,
     options: ModelChoices = DEFAULT_MODEL,
-    ends: Literal["rigid", "free"] | None = None,
+    ends: Ends | None = None,
     csv: PathArgument | None = None,
     picture: PathArgument | None = None,
     vtu: PathArgument | None = None,

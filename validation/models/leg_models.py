@@ -35,6 +35,7 @@ from lumped.legs import (
 )
 from lumped.mechanism.body_model import BodyModel, LegMatrices
 from lumped.memo import memo
+from lumped.model_choices import Ends
 from lumped.models.bodies import (
     clamped_modes,
     free_frequencies,
@@ -50,7 +51,7 @@ from lumped.models.segments import (
     with_printed_tip_joint,
 )
 from validation.context import Context
-from validation.models.options import DEFAULT_OPTIONS, STATIC, Ends, ModelName, ModelOptions
+from validation.models.options import DEFAULT_OPTIONS, STATIC, ModelName, ModelOptions
 from validation.responses.mode_pairing import centreline_samples
 from validation.responses.statics_and_modes import PathModes
 from validation.solids.solid_legs import held_solid

@@ -7,12 +7,18 @@ commands take the names of the models from it.
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias, get_args
+from typing import Literal, NamedTuple, TypeAlias, get_args
 
-if TYPE_CHECKING:
-    from lumped.equivalent_leg import EquivalentBy
-    from lumped.legs import Theory
-    from lumped.models.segments import Layout, Release
+from lumped.model_choices import (
+    Ends,
+    EquivalentBy,
+    Layout,
+    LegSprings,
+    PartLegs,
+    ReductionBy,
+    Release,
+    Theory,
+)
 
 # Models without mass, and therefore without frequencies.
 StaticModel: TypeAlias = Literal["vjm", "links"]
@@ -22,10 +28,6 @@ ElementModel: TypeAlias = Literal["segments", "beam"]
 RefinedModel: TypeAlias = Literal[ElementModel, "solid"]
 ModalModel: TypeAlias = Literal["simplified", RefinedModel]
 ModelName: TypeAlias = Literal["simplified", StaticModel, RefinedModel]
-LegSprings: TypeAlias = Literal["given", "equivalent"]
-Ends: TypeAlias = Literal["rigid", "free"]
-PartLegs: TypeAlias = Literal["equivalent", "stepped", "condensed"]
-ReductionBy: TypeAlias = Literal["fixed", "free"]
 
 
 @dataclass(frozen=True)
@@ -44,13 +46,13 @@ class ModelOptions:
     """
 
     legs: LegSprings = "given"
-    theory: "Theory" = "timoshenko"
+    theory: Theory = "timoshenko"
     elements: int = 20
-    release: "Release" = "condensed"
-    layout: "Layout" = "half"
+    release: Release = "condensed"
+    layout: Layout = "half"
     ends: Ends = "rigid"
     divisions: int = 4
-    equivalent: "EquivalentBy" = "stiffness"
+    equivalent: EquivalentBy = "stiffness"
     parts: PartLegs = "equivalent"
     reduction: ReductionBy = "fixed"
 

@@ -28,11 +28,11 @@ from lumped.mechanism.body_model import BodyModel
 from lumped.mechanism.mechanism import Mechanism
 from lumped.mechanism.placing import leg_frame
 from lumped.memo import memo
+from lumped.model_choices import ReductionBy
 from lumped.text import counted
 from meshes.part.boundary import PartMesh
 from meshes.part.interfaces import Interface, find_interfaces, selected_faces
 from meshes.part.reading.read import PartFile
-from validation.models.options import ReductionBy
 from validation.parts import identify
 from validation.parts.free_modes import FreePart, free_entry
 from validation.parts.identify import Identified, more_unknowns

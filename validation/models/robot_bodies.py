@@ -31,14 +31,7 @@ from validation.models.leg_models import (
     leg_matrices,
     reduced_leg,
 )
-from validation.models.options import (
-    DEFAULT_OPTIONS,
-    OF_ELEMENTS,
-    STATIC,
-    ModelName,
-    ModelOptions,
-    PartLegs,
-)
+from validation.models.options import DEFAULT_OPTIONS, OF_ELEMENTS, STATIC, ModelName, ModelOptions
 from validation.models.part_legs import part_models, part_springs, require_legs
 from validation.parts.meshes import FINEST
 
@@ -83,8 +76,9 @@ def static_bodies(
     """
     if model in STATIC:
         springs = tip_compliances(mechanism, options.legs, options.theory, options.equivalent)
-        part_legs: PartLegs = "equivalent" if options.legs == "equivalent" else "condensed"
-        link_options = replace(options, parts=part_legs)
+        link_options = replace(
+            options, parts="equivalent" if options.legs == "equivalent" else "condensed"
+        )
         return dict(links(mechanism, springs)) | part_models(mechanism, link_options, _link)
     if model == "solid":
         options = replace(options, parts="condensed")

@@ -17,8 +17,9 @@ import numpy as np
 
 from lumped.arrays import Array
 from lumped.equivalent_leg import equivalent_leg
-from lumped.legs import Ends, Leg, given_compliance
+from lumped.legs import Leg, given_compliance
 from lumped.mechanism.mechanism import Posture
+from lumped.model_choices import Ends, PartLegs
 from lumped.models import serial_chains
 from validation.models.loads.displacements import (
     by_chains,
@@ -26,7 +27,7 @@ from validation.models.loads.displacements import (
     displacements_by,
     interface_loads,
 )
-from validation.models.options import ModelName, ModelOptions, PartLegs
+from validation.models.options import ModelName, ModelOptions
 from validation.models.robot_models import answers
 from validation.references.modes_on_path import (
     COMPUTED_SECTIONS,

@@ -17,10 +17,11 @@ from fem.reduction.craig_bampton import craig_bampton
 from fem.reduction.superelement import held_leg
 from lumped.arrays import Array
 from lumped.equivalent_leg import sectioned_leg
-from lumped.legs import Ends, GivenLeg, Leg, SectionedLeg
+from lumped.legs import GivenLeg, Leg, SectionedLeg
 from lumped.mechanism.body_model import BodyModel, LegMatrices
 from lumped.mechanism.mechanism import Posture
 from lumped.memo import memo
+from lumped.model_choices import Ends
 from lumped.system.assembly import assembly
 from validation.context import Preset
 from validation.models.leg_models import filled

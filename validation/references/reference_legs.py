@@ -19,10 +19,11 @@ from lumped.arrays import Array
 from lumped.beam_properties import tip_compliance
 from lumped.equivalent_leg import equivalent_leg
 from lumped.errors import InputError, naming
-from lumped.legs import ConstantLeg, Ends, GivenLeg, Leg, LineLeg, SectionedLeg, given_compliance
+from lumped.legs import ConstantLeg, GivenLeg, Leg, LineLeg, SectionedLeg, given_compliance
 from lumped.line_sections import LineSections
 from lumped.mechanism.body_model import LegMatrices
 from lumped.memo import memo
+from lumped.model_choices import Ends
 from lumped.sections import Rectangle
 from meshes.section.section_mesh import section_mesh
 from validation.context import Context, Preset

@@ -11,9 +11,9 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from fem.reduction.craig_bampton import FrequencyBounds, frequency_bounds
-from lumped.legs import Ends
 from lumped.mechanism.body_model import BodyModel
 from lumped.mechanism.mechanism import Mechanism, Posture
+from lumped.model_choices import Ends, PartLegs, ReductionBy
 from lumped.models.bodies import links
 from lumped.system.assembly import assemble, assembly
 from lumped.system.loads import tool_displacements
@@ -22,7 +22,6 @@ from lumped.text import counted
 from validation.drawing.text import percent
 from validation.models.loads.displacements import displacements_by, interface_loads
 from validation.models.loads.leg_masses import MASSES, Masses
-from validation.models.options import PartLegs, ReductionBy
 from validation.models.reduced_parts import Hold, ReducedPart, condensed, found_in, reduced
 from validation.models.robot_bodies import CUTOFF, static_bodies
 from validation.models.robot_models import highest_frequency

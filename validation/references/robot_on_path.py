@@ -16,8 +16,9 @@ import numpy as np
 from fem.beams.interior import Interior
 from lumped.arrays import Array
 from lumped.errors import InputError
-from lumped.legs import Ends, GivenLeg, Leg, LineLeg, SectionedLeg
+from lumped.legs import GivenLeg, Leg, LineLeg, SectionedLeg
 from lumped.mechanism.mechanism import UNITS_OF_MOVES, Mechanism, Posture
+from lumped.model_choices import Ends
 from lumped.models import serial_chains
 from lumped.models.bodies import legs_of, tip_compliances
 from lumped.robot_file.reading import Printed

@@ -13,10 +13,10 @@ from math import ceil
 import numpy as np
 import scipy
 
-from fem.bodies.solid import Ends
 from fem.sections.moduli import part_materials
 from lumped.errors import InputError
 from lumped.legs import ConstantLeg, LineLeg, SectionedLeg
+from lumped.model_choices import Ends
 from lumped.sections import (
     Composite,
     HollowRectangle,

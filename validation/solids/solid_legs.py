@@ -15,7 +15,7 @@ from scipy.sparse import block_diag, diags_array
 from fem.beams.beam import beam_leg
 from fem.bodies import doubling
 from fem.bodies.rooted import RootedBody
-from fem.bodies.solid import Ends, clamped_leg, section_twists, solid_leg, solid_mesh
+from fem.bodies.solid import clamped_leg, section_twists, solid_leg, solid_mesh
 from fem.couplings.end_effects import restrained_compliance
 from fem.reduction.superelement import HeldLeg, held_solid_leg
 from fem.sections.composite import composite_properties, composite_rod
@@ -28,6 +28,7 @@ from lumped.errors import naming
 from lumped.legs import ConstantLeg, LineLeg, SectionedLeg
 from lumped.mechanism.body_model import LegMatrices
 from lumped.memo import memo
+from lumped.model_choices import Ends
 from lumped.models.bodies import clamped_modes
 from meshes.prism import hexahedra
 from meshes.section.section_mesh import SectionMesh, section_mesh

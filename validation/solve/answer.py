@@ -15,10 +15,11 @@ from lumped.acceptance.quantities import DIAGONAL_UNITS
 from lumped.arrays import Array
 from lumped.errors import InputError
 from lumped.mechanism.load import PressureResultant
+from lumped.model_choices import ReductionBy
 from lumped.system.joint_motion import Portion
 from lumped.system.response import HarmonicResponse
 from lumped.system.stability import Stability
-from validation.models.options import ModelName, ReductionBy
+from validation.models.options import ModelName
 from validation.tables import Cell, ResultTable, html_paragraph, html_table
 from validation.uncertainty.refinement import Accuracy
 

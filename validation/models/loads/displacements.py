@@ -17,11 +17,12 @@ from fem.beams.stepped import SteppedLeg
 from fem.reduction.superelement import held_leg, static_superelement
 from lumped.arrays import Array, dense
 from lumped.errors import ComputationError
-from lumped.legs import GivenLeg, Leg, SectionedLeg, Theory
+from lumped.legs import GivenLeg, Leg, SectionedLeg
 from lumped.mechanism.body_model import BodyModel, LegMatrices
 from lumped.mechanism.kinematics.accelerations import accelerations
 from lumped.mechanism.load import InterfaceLoads, Load, Loading
 from lumped.mechanism.mechanism import Mechanism, Posture
+from lumped.model_choices import Theory
 from lumped.models import serial_chains
 from lumped.models.bodies import legs_of
 from lumped.system.assembly import Assembly, assembly

@@ -20,11 +20,12 @@ from lumped.acceptance.quantities import AXES, Quantity, load_quantities
 from lumped.acceptance.requirement import Requirement
 from lumped.arrays import dense
 from lumped.errors import ComputationError
-from lumped.legs import LineLeg, SectionedLeg, Theory, is_bent
+from lumped.legs import LineLeg, SectionedLeg, is_bent
 from lumped.mechanism.kinematics.postures import shown_pose
 from lumped.mechanism.load import Load
 from lumped.mechanism.mechanism import Mechanism, Posture
 from lumped.memo import memo
+from lumped.model_choices import Theory
 from lumped.models.bodies import legs_of
 from lumped.system.assembly import Assembly, assembly
 from lumped.system.loads import loading

@@ -5,8 +5,8 @@ from dataclasses import dataclass, replace
 from typing import Annotated, Literal, TypeAlias, get_args
 
 from lumped.arrays import Array
-from lumped.legs import Ends
 from lumped.mechanism.body import ByCylinder, ByPlane, Coupling, LengthUnit
+from lumped.model_choices import Ends
 from lumped.robot_file.rules.rule import (
     Either,
     Key,

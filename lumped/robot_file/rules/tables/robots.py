@@ -5,10 +5,10 @@ from dataclasses import dataclass, field
 from typing import Annotated, Any, Literal, TypeAlias
 
 from lumped.arrays import Array
-from lumped.legs import Ends
 from lumped.mechanism.length_unit import LENGTH_UNITS, METRE, UnitOfLength
 from lumped.mechanism.mechanism import MOVES, Tool
 from lumped.memo import memo
+from lumped.model_choices import Ends
 from lumped.robot_file.rules.rule import (
     Key,
     Named,
