@@ -34,6 +34,7 @@ from numpy.typing import NDArray
 
 from lumped.arrays import Array
 from lumped.memo import memo
+from validation.adequacy.errors import first_largest
 from validation.responses.displacement import nearest_between
 from validation.uncertainty.combiners import Combiner, combined
 from validation.verdicts import Adequacy
@@ -204,10 +205,11 @@ class ErrorOfInputs:
 
         The first array has the inputs of the file; the second and third have one input lower, and
         higher, by one standard uncertainty. The k components are those of `nominal`. The error is
-        the largest over all interpretations and forces with the inputs of the robot file.
+        the largest over all interpretations and forces with the inputs of the robot file, the first
+        of those that are equal up to round-off.
         """
         sizes = np.linalg.norm(self._vectors(self.nominal[:, pose]), axis=-1)
-        interpretation, force = np.unravel_index(np.argmax(sizes), sizes.shape)
+        interpretation, force = np.unravel_index(first_largest(sizes.ravel()), sizes.shape)
         position = interpretation, pose, force
         below, above = (ends[:, *position] for ends in self._ends)
         return self.nominal[position], below, above

@@ -221,6 +221,18 @@ def test_linear_error_is_normally_distributed(error, within, beyond):
     assert [outcome.within, outcome.beyond] == pytest.approx([within, beyond], abs=2e-3)
 
 
+@pytest.mark.parametrize("rounding", [-1e-12, 0.0, 1e-12])
+def test_input_half_width_of_tied_errors_is_the_first(rounding):
+    """Interpretations of equal errors, the second of which changes twice as much with the input."""
+    first, second = (signed(np.array([number])) for number in (ERROR, ERROR + rounding))
+    change = signed(np.array([0.01]))
+    below = np.concatenate([first - change, second - 2.0 * change])
+    above = np.concatenate([first + change, second + 2.0 * change])
+    slope = Slope("input", 0.02, below, above, np.zeros((2, 1)))
+    error = ErrorOfInputs(np.concatenate([first, second]), [slope], signed=True)
+    assert error.half_width(0) == pytest.approx(1.96 * 0.01, rel=0.01)
+
+
 def test_input_shares_equal_variance_shares():
     """Shares are squares of the slopes if the error is linear, otherwise Sobol's indices."""
     outcome = probability(linear(0.006, 0.008), "adequate", LIMIT, 0)
