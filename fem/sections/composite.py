@@ -41,12 +41,15 @@ class WrenchStates:
     The wrenches are in the order x y z φx φy φz. `tractions` (3N×6) are the nodal forces.
     `compliance` (6×6, in 1/N, 1/(N m), 1/(N m²)) contains the strains of the beam, conjugate to the
     wrenches. `warping` (N, in m²) are the displacements u_x in torsion of unit rate about the
-    origin.
+    origin. `displacements` (3N×6, in m) and `slopes` (3N×6) are the displacements of the section,
+    and their derivatives along the leg.
     """
 
     tractions: Array
     compliance: Array
     warping: Array
+    displacements: Array
+    slopes: Array
 
 
 def wrench_states(mesh: SectionMesh, moduli: Moduli) -> WrenchStates:
@@ -78,7 +81,11 @@ def wrench_states(mesh: SectionMesh, moduli: Moduli) -> WrenchStates:
     energies = slope.T @ forces + warping.T @ (E1.T @ slope + E2 @ warping)
     compliance = to_wrenches.T @ energies @ to_wrenches
     return WrenchStates(
-        forces @ to_wrenches, 0.5 * (compliance + compliance.T), warping[::3, _TORSION]
+        forces @ to_wrenches,
+        0.5 * (compliance + compliance.T),
+        warping[::3, _TORSION],
+        warping @ to_wrenches,
+        slope @ to_wrenches,
     )
 
 

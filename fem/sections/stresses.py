@@ -32,13 +32,13 @@ _REENTRANT = 0.02
 
 @dataclass(frozen=True, eq=False)
 class SectionStresses:
-    """Stresses under unit section forces at the nodes of `mesh`.
+    """Stresses under unit section forces at N `points` (N×2; y and z in m), nodes of a mesh.
 
     The six section forces are N, Qy, Qz (1 N each), T, My and Mz (1 N m each). `normal` (N×6) is
     σxx and `shear` (2×N×6) are τxy and τxz (Pa). `regular` (N) is False near re-entrant corners.
     """
 
-    mesh: SectionMesh
+    points: Array
     normal: Array
     shear: Array
     regular: Array
@@ -63,7 +63,7 @@ def section_stresses(mesh: SectionMesh, material: Material) -> SectionStresses:
     solution = saint_venant(mesh, ratio)
     quad = solution.quadrature
     y, z = places = mesh.nodes.T - quad.centroid[:, None]
-    slope = _NodalGradient(mesh)
+    slope = NodalGradient(mesh)
     turning = np.stack([-z, y])
     twist = slope(solution.warping) + turning
     anticlastic = np.array([[(y**2 - z**2) / 2.0, y * z], [y * z, (z**2 - y**2) / 2.0]])
@@ -78,11 +78,11 @@ def section_stresses(mesh: SectionMesh, material: Material) -> SectionStresses:
     normal[:, 0] = 1.0 / solution.area
     about_y, about_z = np.linalg.solve(solution.moments, [[0.0, -1.0], [1.0, 0.0]]).T
     normal[:, 4], normal[:, 5] = about_y @ places, about_z @ places
-    regular = regular_nodes(mesh, solution.area / _perimeter(mesh))
-    return SectionStresses(mesh, normal, shear, regular)
+    regular = regular_nodes(mesh, solution.area / perimeter(mesh))
+    return SectionStresses(mesh.nodes, normal, shear, regular)
 
 
-class _NodalGradient:
+class NodalGradient:
     """Gradient (2×N, in 1/m) of nodal values at the N nodes: the mean over adjacent cells."""
 
     def __init__(self, mesh: SectionMesh) -> None:
@@ -93,6 +93,7 @@ class _NodalGradient:
         self._counts = np.bincount(mesh.cells.ravel(), minlength=len(mesh.nodes))
 
     def __call__(self, nodal: Array) -> Array:
+        """Derivatives (2×N) along y and z of the field with the values `nodal` (N)."""
         cells = self._mesh.cells
         by_cell = np.einsum("mkiq,mk->imq", self._gradients, nodal[cells], optimize=True)
         return np.array(
@@ -115,7 +116,7 @@ def regular_nodes(mesh: SectionMesh, distance: float) -> Array:
     return np.asarray(distances > distance)
 
 
-def _perimeter(mesh: SectionMesh) -> float:
+def perimeter(mesh: SectionMesh) -> float:
     """Length (m) of the boundary of a section.
 
     In thin walls, twice the area divided by this length is the thickness.

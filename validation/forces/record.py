@@ -286,6 +286,7 @@ def _record(result: ForcesUnderLoad) -> dict[str, Any]:
                 "normal": stress.normal,
                 "shear": stress.shear,
                 "along": stress.along.tolist(),
+                **({"parts": list(stress.parts)} if stress.parts else {}),
             }
             for leg, stress in result.stresses.items()
         },

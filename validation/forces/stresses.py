@@ -17,12 +17,15 @@ from functools import partial
 import numpy as np
 import scipy.optimize
 
+from fem.sections.moduli import part_materials, part_moduli
+from fem.sections.part_stresses import PartStresses, part_stresses
 from fem.sections.stresses import SectionStresses, section_stresses
 from lumped.arrays import Array
 from lumped.legs import ConstantLeg, LineLeg, SectionedLeg, Span
 from lumped.line_sections import TOGETHER
 from lumped.mechanism.body import Shape
-from lumped.sections import Section
+from lumped.memo import memo
+from lumped.sections import Composite, Section
 from lumped.system.members import MemberForces
 from meshes.section.section_mesh import section_mesh
 from validation.uncertainty.mesh_half_widths import MeshPolicy, mesh_half_widths
@@ -35,7 +38,7 @@ _SMOOTH, _STEEP = 2.0, 1.0
 # Search between two stations, in fractions of their distance: point at which the stress must rise
 # for the search to start, and tolerance of the point found. Stresses are off by its square.
 _PROBE, _TOLERANCE = 0.01, 1e-3
-_WITHOUT_MESH = "the section of the leg has no mesh of one material"
+_WITHOUT_MESH = "the section of the leg has no mesh of isotropic materials"
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,7 +49,9 @@ class MemberStress:
     section (m, from its centroid). In a taper this distance may lie between two of the `stations`.
     `normal` is the normal stress σxx and `shear` the shear stress (Pa) at the point. `along` (s,
     Pa): largest stress in each of the s sections at `stations` (s, m). The half-width covers the
-    mesh of the section and the half-widths of the section forces.
+    mesh of the section and the half-widths of the section forces. `parts` are the largest stresses
+    (Pa) in the parts of a composite section, in the section with the largest of all. () if the
+    section has one material.
     """
 
     leg: str
@@ -58,6 +63,7 @@ class MemberStress:
     shear: float
     stations: Array
     along: Array
+    parts: tuple[float, ...] = ()
 
 
 def reason_without_stress(shape: Shape) -> str:
@@ -65,8 +71,11 @@ def reason_without_stress(shape: Shape) -> str:
     if not isinstance(shape, ConstantLeg | LineLeg):
         return "the section of the leg is not known"
     sections = [shape.section] if isinstance(shape, ConstantLeg) else [s for _, s in shape.stations]
-    uniform = all(section.has_outline and section.is_uniform for section in sections)
-    return "" if uniform else _WITHOUT_MESH
+    isotropic = all(
+        isinstance(section, Composite) or (section.has_outline and section.is_uniform)
+        for section in sections
+    )
+    return "" if isotropic else _WITHOUT_MESH
 
 
 def member_stress(leg: SectionedLeg, member: MemberForces) -> MemberStress | None:
@@ -94,13 +103,14 @@ def member_stress(leg: SectionedLeg, member: MemberForces) -> MemberStress | Non
     section, forces = loaded.section, loaded.forces
     fine = _stresses(leg, section)
     node = int(np.argmax(np.where(fine.regular, fine.von_mises(forces[None])[0], 0.0)))
-    coarse = section_stresses(section_mesh(section, _DIVISIONS[0]), leg.material)
+    coarse = _stresses_on(leg, section, _DIVISIONS[0])
     change = np.array(abs(largest - _largest(coarse, forces)))
     policy = MeshPolicy.of_order(2.0, _SMOOTH if fine.regular.all() else _STEEP)
     # The von Mises stress is a norm: it changes by at most that of the stresses due to the change
     # of the forces.
     of_forces = fine.von_mises(np.diag(loaded.half_width))[:, fine.regular].sum(axis=0).max()
-    y, z = fine.mesh.nodes[node]
+    y, z = fine.points[node]
+    parts = fine.largest_by_part(forces) if isinstance(fine, PartStresses) else np.zeros(0)
     return MemberStress(
         member.leg,
         largest,
@@ -111,6 +121,7 @@ def member_stress(leg: SectionedLeg, member: MemberForces) -> MemberStress | Non
         float(np.linalg.norm(fine.shear[:, node] @ forces)),
         member.stations,
         along,
+        tuple(parts.tolist()),
     )
 
 
@@ -204,7 +215,20 @@ def _between(
 
 
 def _stresses(leg: SectionedLeg, section: Section) -> SectionStresses:
-    return section_stresses(section_mesh(section, _DIVISIONS[1]), leg.material)
+    return _stresses_on(leg, section, _DIVISIONS[1])
+
+
+def _stresses_on(leg: SectionedLeg, section: Section, divisions: int) -> SectionStresses:
+    """Stresses under unit section forces in a section of `leg`, on a mesh of it."""
+    if isinstance(leg, ConstantLeg) and isinstance(section, Composite):
+        return _composite_stresses(leg, divisions)
+    return section_stresses(section_mesh(section, divisions), leg.material)
+
+
+@memo(16)
+def _composite_stresses(leg: ConstantLeg, divisions: int) -> PartStresses:
+    mesh = section_mesh(leg.section, divisions)
+    return part_stresses(mesh, part_moduli(mesh, part_materials(leg)))
 
 
 def _largest(stresses: SectionStresses, forces: Array) -> float:

@@ -66,6 +66,9 @@ def _lines(result: ForcesUnderLoad) -> list[str]:
                 f"at {stress.station:.4g} m, in y = {y} mm, z = {z} mm "
                 f"(σ {1e-6 * stress.normal:.4g} MPa, τ {1e-6 * stress.shear:.4g} MPa)"
             )
+            if stress.parts:
+                parts = ", ".join(f"{1e-6 * largest:.4g}" for largest in stress.parts)
+                lines.append(f"{_INDENT}{leg}: in that section, largest in each part: {parts} MPa")
     for body, solid in result.solids.items():
         point = ", ".join(f"{value:.4g}" for value in solid.place)
         lines.append(

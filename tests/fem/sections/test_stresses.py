@@ -44,7 +44,7 @@ def stresses(section, divisions=8):
 
 def node_at(computed, y, z):
     """Return the index of the node at (y, z); it must exist."""
-    distances = np.linalg.norm(computed.mesh.nodes - [y, z], axis=1)
+    distances = np.linalg.norm(computed.points - [y, z], axis=1)
     assert distances.min() < 1e-9
     return int(np.argmin(distances))
 
@@ -53,7 +53,7 @@ def node_at(computed, y, z):
 def test_stress_integrals_are_section_forces(section):
     """∫σ dA = N, ∫σ z dA = My, −∫σ y dA = Mz, ∫τ dA = Q and ∫(y τz − z τy) dA = T."""
     computed = stresses(section)
-    quad = section_quadrature(computed.mesh)
+    quad = section_quadrature(section_mesh(section, 8))
     y, z = quad.points
     # Moments are divided by the size of the section, so that all components are forces.
     unit = np.array([1.0, 1.0, 1.0, *[max(section.extent)] * 3])
@@ -93,7 +93,7 @@ def test_angle_bending_stress_equals_formula():
     section = SECTIONS[5]
     computed = stresses(section, 2)
     iy, iz, iyz = section.second_moment_y, section.second_moment_z, section.product_moment
-    y, z = computed.mesh.nodes.T
+    y, z = computed.points.T
     determinant = iy * iz - iyz**2
     np.testing.assert_allclose(computed.normal @ MY, (iz * z - iyz * y) / determinant, rtol=1e-7)
     np.testing.assert_allclose(computed.normal @ MZ, (iyz * z - iy * y) / determinant, rtol=1e-7)
@@ -142,7 +142,7 @@ def test_circle_shear_equals_elasticity():
     side = (1.0 + 2.0 * NU) / (4.0 * (1.0 + NU)) * scale
     # Errors of second order at 16 divisions.
     assert along[node_at(computed, 0.0, 0.0)] == pytest.approx(centre, rel=5e-3)
-    assert along[np.argmax(computed.mesh.nodes[:, 0])] == pytest.approx(side, rel=5e-3)
+    assert along[np.argmax(computed.points[:, 0])] == pytest.approx(side, rel=5e-3)
 
 
 @pytest.mark.parametrize(
@@ -158,7 +158,7 @@ def test_web_shear_equals_jourawski(section, walls):
     half = height / 2.0 - flange
     first = width * flange * (height - flange) / 2.0 + walls * web * half**2 / 2.0
     expected = first / (section.second_moment_y * walls * web)
-    z = computed.mesh.nodes[:, 1]
+    z = computed.points[:, 1]
     on_axis = np.abs(z) < 1e-9
     mean = (computed.shear[1] @ QZ)[on_axis].mean()
     # Across the web the stress varies by (thickness/height)².
@@ -170,7 +170,7 @@ def test_box_torsion_equals_bredt():
     width, height, wall = 0.1, 0.2, 0.002
     computed = stresses(HollowRectangle(width, height, wall), 8)
     expected = 1.0 / (2.0 * (width - wall) * (height - wall) * wall)
-    y, z = computed.mesh.nodes.T
+    y, z = computed.points.T
     in_web = (np.abs(z) < 1e-9) & (y > 0.0)
     mean = np.abs(computed.shear[1] @ T)[in_web].mean()
     # Bredt neglects the Saint-Venant torsion of the walls, a term in t² over the enclosed area.
@@ -194,7 +194,7 @@ def test_corner_nodes_are_excluded():
     for section in SECTIONS[:3]:
         assert stresses(section).regular.all()
     computed = stresses(HollowRectangle(0.1, 0.2, 0.01))
-    excluded = computed.mesh.nodes[~computed.regular]
+    excluded = computed.points[~computed.regular]
     # Area over perimeter: outer perimeter 0.6 m, inner 0.52 m.
     radius = HollowRectangle(0.1, 0.2, 0.01).area / (0.6 + 0.52)
     corners = np.abs(excluded) - [0.04, 0.09]
@@ -220,7 +220,7 @@ def test_stresses_equal_calculix(tmp_path):
     ]
     computed = stresses(section, 8)
     interpolated = LinearNDInterpolator(
-        computed.mesh.nodes, np.stack([computed.normal, *computed.shear], axis=1).reshape(-1, 18)
+        computed.points, np.stack([computed.normal, *computed.shear], axis=1).reshape(-1, 18)
     )
     by_case = {len(block[0]): [] for block in numbers}
     for block in numbers:
