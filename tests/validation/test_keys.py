@@ -37,7 +37,7 @@ from validation.context import PRESETS, memo_key
 from validation.models import reduced_parts, stepped_parts
 from validation.models.options import ModelOptions
 from validation.parts import identify, meshes
-from validation.run import provenance, sources, stored_results
+from validation.run import cache, provenance, stored_results
 from validation.run.cache import CacheEntry, key_of
 from validation.run.executor import in_turn
 from validation.run.folder import mark_of
@@ -127,7 +127,7 @@ def test_convergence_key_includes_part_file(tmp_path):
 
 def test_source_digest_includes_every_file(tmp_path, monkeypatch):
     """A byte, a name, a folder or an additional file each change the digest."""
-    monkeypatch.setattr(sources, "__file__", str(tmp_path / "a" / "b" / "sources.py"))
+    monkeypatch.setattr(cache, "__file__", str(tmp_path / "a" / "b" / "cache.py"))
     names = [f"{package}/x/one.py" for package in ("lumped", "meshes", "fem", "validation")]
     names += [f"validation/x/one.{kind}" for kind in ("toml", "j2", "css", "js")]
     files = [tmp_path / name for name in names]
@@ -146,7 +146,7 @@ def test_source_digest_includes_every_file(tmp_path, monkeypatch):
 
 def digest_now() -> str:
     forget()
-    return sources.source_digest()
+    return cache.source_digest()
 
 
 def part_keys(folder: Path) -> list[str]:
@@ -158,15 +158,15 @@ def part_keys(folder: Path) -> list[str]:
 
 def test_changed_source_changes_keys(tmp_path, monkeypatch):
     """A copy of the sources in another folder, such as an installed wheel, has the same keys."""
-    for package in sources.PACKAGES:
+    for package in cache.PACKAGES:
         shutil.copytree(ROOT / package, tmp_path / package)
 
     def keys() -> list[str]:
         forget()
-        return [*part_keys(tmp_path), sources.program()]
+        return [*part_keys(tmp_path), cache.program()]
 
     before = keys()
-    monkeypatch.setattr(sources, "__file__", str(tmp_path / "validation" / "run" / "sources.py"))
+    monkeypatch.setattr(cache, "__file__", str(tmp_path / "validation" / "run" / "cache.py"))
     os.utime(tmp_path / "lumped" / "screws.py", (0, 0))
     (tmp_path / "lumped" / "__pycache__").mkdir(exist_ok=True)
     (tmp_path / "lumped" / "__pycache__" / "more.py").write_text("1")
@@ -207,7 +207,7 @@ def test_part_key_includes_sources():
         while waiting:
             imported.add(name := waiting.pop())
             waiting += drawing["imports"](files[name], files) - imported - VIEWS
-        digested = {path for folder in places for path in sources._files(str(ROOT / folder))}
+        digested = {path for folder in places for path in cache._files(str(ROOT / folder))}
         for name in imported:
             if str(files[name]) not in digested:
                 body = ast.parse(files[name].read_text(encoding="utf-8")).body
@@ -251,7 +251,7 @@ def test_part_key_depends_on_every_input(tmp_path, monkeypatch):
     ]
     keys.append(meshes.part_key(file, *inputs[0], sources=meshes.MESHING))
     with monkeypatch.context() as patch:
-        patch.setattr(sources, "version", lambda _library: "another")
+        patch.setattr(cache, "version", lambda _library: "another")
         forget()
         keys.append(meshes.part_key(file, *inputs[0]))
     forget()

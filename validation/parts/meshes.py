@@ -24,15 +24,13 @@ from meshes.part.interfaces import Interface
 from meshes.part.reading.given_mesh import MESHES
 from meshes.part.reading.read import PartFile, read_part, require_file
 from meshes.part.volume import Grading, refined_gradings, volume_mesh
-from validation.run.cache import CacheEntry, key_of, require_shape
-from validation.run.sources import program
+from validation.run.cache import CacheEntry, key_of, program, require_shape
 
 # Sources that affect reading and meshing of a part (MESHING), and all results computed on its
 # meshes (COMPUTING).
-_CACHE = ("validation/run/cache.py", "validation/run/sources.py")
-MESHING = ("lumped", "meshes", "validation/parts/meshes.py", *_CACHE)
+MESHING = ("lumped", "meshes", "validation/parts/meshes.py", "validation/run/cache.py")
 _ROOMS = ("validation/uncertainty", "validation/responses", "validation/parts", "validation/models")
-COMPUTING = ("lumped", "meshes", "fem", *_ROOMS, *_CACHE)
+COMPUTING = ("lumped", "meshes", "fem", *_ROOMS, "validation/run/cache.py")
 COARSE, MIDDLE, FINEST = 0, 1, 2
 LEVELS = (COARSE, MIDDLE, FINEST)
 # Fields of faces, each of which is stored as a column over all faces. Facets are stored separately.

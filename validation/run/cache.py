@@ -9,12 +9,19 @@ folder, or "off". Each key has a file (numpy's npz, which needs neither pickle n
 library), which appears whole or not at all. Any number of processes share the cache: if several
 need the same entry, one process computes it and the other processes wait. Content is never
 unpickled.
+
+Keys contain a fingerprint of the sources that compute, so that changed sources or libraries give
+new keys. It covers names and contents of files relative to the folder of the packages, so that a
+wheel and a checkout of the same sources have the same keys. File times and compiled files do not
+count. It is computed once per process.
 """
 
 import os
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass
+from hashlib import sha256
+from importlib.metadata import PackageNotFoundError, version
 from io import BytesIO
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -27,6 +34,7 @@ from lumped.arrays import Array
 from lumped.files import digest, read_regular, write_whole
 from lumped.memo import fingerprint, memo
 from lumped.posix import fcntl
+from lumped.solver_request import requested_library
 
 Arrays: TypeAlias = dict[str, Array]
 T = TypeVar("T")
@@ -39,6 +47,10 @@ _DAY = 86_400.0
 # Number of entries last used by this process that it holds in memory.
 _ENTRIES_IN_MEMORY = 64
 _SEAL = b"\nflexproof "
+PACKAGES = ("lumped", "meshes", "fem", "validation")
+# Libraries on which numbers and meshes depend.
+_LIBRARIES = ("gmsh", "numpy", "nvidia-cudss-cu13", "rslab", "scikit-fem", "scipy")
+_SOURCES = (".py", ".toml", ".j2", ".css", ".js")
 
 
 @dataclass(frozen=True)
@@ -229,3 +241,51 @@ def _make_room(folder: Path) -> None:
             path.unlink(missing_ok=True)
         elif path.suffix != ".npz" and now - modified > _DAY:
             path.unlink(missing_ok=True)
+
+
+def program(*places: str) -> str:
+    """Fingerprint of the sources in `places` and of the libraries that compute.
+
+    `places` are names of folders and files; without any, all packages are covered. If "fem" is
+    among them, the fingerprint also covers the requested library for sparse systems.
+    """
+    selected = places or PACKAGES
+    return _program(selected, requested_library() if "fem" in selected else "")
+
+
+@memo(8)
+def _program(places: tuple[str, ...], solver: str) -> str:
+    libraries = [_version(library) for library in _LIBRARIES]
+    return fingerprint([source_digest(places), libraries, solver])
+
+
+@memo(8)
+def source_digest(places: tuple[str, ...] = PACKAGES) -> str:
+    """Digest of the sources in these folders and files, by paths relative to the packages."""
+    # Paths as text, since those of pathlib take twice as long as reading the files.
+    root = str(Path(__file__).resolve().parents[2])
+    fingerprints = sha256()
+    for name in places:
+        for path in _files(os.path.join(root, name)):  # noqa: PTH118
+            with open(path, "rb") as file:  # noqa: PTH123
+                content = file.read()
+            file_name = path[len(root) :].replace(os.sep, "/")
+            fingerprints.update(f"{file_name} {len(content)} ".encode())
+            fingerprints.update(content)
+    return fingerprints.hexdigest()
+
+
+def _files(path: str) -> Iterator[str]:
+    """Paths of a source file, or of the source files in a folder, in alphabetical order."""
+    if path.endswith(_SOURCES):
+        yield path
+    for folder, folders, names in os.walk(path):
+        folders[:] = sorted(set(folders) - {"__pycache__"})
+        yield from (f"{folder}{os.sep}{name}" for name in sorted(names) if name.endswith(_SOURCES))
+
+
+def _version(library: str) -> str:
+    try:
+        return version(library)
+    except PackageNotFoundError:
+        return ""

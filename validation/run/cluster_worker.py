@@ -22,10 +22,9 @@ from lumped.errors import ComputationError, InputError
 from lumped.files import read_regular
 from lumped.memo import memo
 from meshes.processes import CallAnswer, Crashed
-from validation.run.cache import CACHE_VARIABLE, cache_folder
+from validation.run.cache import CACHE_VARIABLE, cache_folder, source_digest
 from validation.run.executor import Call, Interpreter
 from validation.run.provenance import versions
-from validation.run.sources import source_digest
 
 # Largest part of a log (bytes) that is sent with an answer.
 _LONGEST_LOG = 1 << 20

@@ -21,8 +21,7 @@ from lumped.files import read_regular, write_whole
 from lumped.robot_file import RobotFile
 from lumped.text import counted
 from validation.context import Preset
-from validation.run.cache import cache_folder
-from validation.run.sources import source_digest
+from validation.run.cache import cache_folder, source_digest
 
 _LIBRARIES = (
     "flexproof",

@@ -16,9 +16,8 @@ from lumped.mechanism.body import Part
 from lumped.mechanism.mechanism import Mechanism
 from lumped.memo import comparison_fingerprint
 from lumped.robot_file.included import part_content
-from validation.run.cache import Arrays, find, keep
+from validation.run.cache import Arrays, find, keep, program
 from validation.run.executor import Executor, Finished
-from validation.run.sources import program
 
 T = TypeVar("T")
 

@@ -28,9 +28,8 @@ from validation.adequacy.posture_errors import (
 )
 from validation.context import BUILT_IN, Context, Preset
 from validation.references.robot_on_path import RobotOnPath, path_postures, robot_at
-from validation.run.cache import Arrays, find, key_of
+from validation.run.cache import Arrays, find, key_of, program
 from validation.run.executor import Executor, Finished, Work, in_turn
-from validation.run.sources import program
 from validation.run.stored_results import stored_arrays
 from validation.variations.decision import OBJECTIVES, Decision, Objective
 

@@ -23,9 +23,9 @@ from lumped.solver_request import (
 from meshes.processes import in_own_process
 from validation import cli
 from validation.run import cluster
+from validation.run.cache import program
 from validation.run.executor import on_cores
 from validation.run.provenance import versions
-from validation.run.sources import program
 
 SOLVE = ("solve", "five-bar", "--model", "beam")
 
