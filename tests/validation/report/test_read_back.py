@@ -8,6 +8,7 @@ another entry.
 import csv
 import io
 import re
+from collections import defaultdict
 from xml.etree import ElementTree as ET
 
 import numpy as np
@@ -16,7 +17,7 @@ from msgspec import to_builtins
 from support.pages.report_sample import measured, unmeasured
 from support.random.random_subjects import MODES, subject
 
-from lumped.acceptance.quantities import AXIS_LABELS
+from lumped.acceptance.quantities import AXIS_LABELS, QuantityKind
 from lumped.acceptance.requirement import Requirement
 from validation import api
 from validation.adequacy.judgement import verdict_matrix
@@ -25,6 +26,7 @@ from validation.drawing import text
 from validation.drawing.chart import chart_table
 from validation.record_fields import plain_data
 from validation.report.figures.adequacy import error_curves
+from validation.report.first_screen import remedies_of
 from validation.report.listing import junit_xml, outcome_line
 from validation.report.table import csv_of_matrix, entry_line, table_of
 from validation.run.outcome import Result, from_plain
@@ -263,6 +265,97 @@ def test_curves_match_their_tables(matrix):
             ):
                 cell = row[f"{entry.model}: {column} of {entry.quantity}"]
                 assert number_or_none(cell) == close(errors[p])
+
+
+def assert_causes_are_printed(line, entries):
+    """Assert that a line has the shares of the two largest causes of the entries' errors.
+
+    If a cause has the opposite sign, each cause has its effect on the error instead.
+    """
+    interact = any(cause.share < -0.02 for entry in entries for cause in entry.causes)
+    amounts, remainders = {}, []
+    for entry in entries:
+        for cause in entry.causes[:2]:
+            if interact:
+                amounts.setdefault(cause.cause, []).append(cause.share * entry.error)
+            elif cause.share > 0.02:
+                amounts.setdefault(cause.cause, []).append(min(cause.share, 1.0))
+        remainders.append(sum(cause.share for cause in entry.causes[2:]))
+    if not interact and max(remainders) > 0.02:
+        amounts["all others"] = remainders
+    assert [text.partition(":")[0] for text in line.causes] == list(amounts)
+    assert line.causes[-1].endswith(" (they interact)") is interact
+    for cause_text, values in zip(line.causes, amounts.values(), strict=True):
+        ends = numbers(re.sub(r"(?<=\d) to ", " % to ", cause_text.partition(": ")[2]))
+        by_size = sorted(values, key=abs)
+        assert [ends[0], ends[-1]] == [printed(by_size[0]), printed(by_size[-1])], cause_text
+
+
+def assert_sense_is_printed(line, entries):
+    """Assert that a line has "too stiff" or "too soft" if errors along the load have one sign."""
+    sense = {" too stiff": -1.0, " too soft": 1.0}
+    (sign,) = [sign for end, sign in sense.items() if line.without.endswith(end)] or [0.0]
+    mostly = [
+        entry.along is not None and abs(entry.along) >= 0.8 * entry.error for entry in entries
+    ]
+    due = not entries[0].signed and all(mostly) and {np.sign(entry.along) for entry in entries}
+    assert sign == (next(iter(due)) if due and len(due) == 1 else 0.0)
+
+
+# Kinds of quantities that one word stands for if all that are judged are meant.
+WORDS = {
+    "deflections": {QuantityKind.DEFLECTION, QuantityKind.ANY_FORCE},
+    "rotations": {QuantityKind.ROTATION},
+    "frequencies": {QuantityKind.FREQUENCY},
+    "loads": {QuantityKind.LOAD},
+    "responses": {QuantityKind.PEAK, QuantityKind.PEAK_FREQUENCY, QuantityKind.SIZE},
+}
+
+
+def counted_quantities(matrix, text):
+    """Number of judged quantities that a list of quantities and kinds of quantities stands for."""
+    judged = {entry.quantity for entry in matrix.entries}
+    return sum(
+        sum(quantity.kind in WORDS[word] for quantity in judged) if word in WORDS else 1
+        for word in re.split(", | and ", text)
+    )
+
+
+def test_remedy_line_has_range_of_errors():
+    """Entries with the same two largest causes and the same remedy share a line."""
+    for matrix in MATRICES:
+        inadequate = [entry for entry in matrix.entries if entry.verdict == "inadequate"]
+        groups = defaultdict(list)
+        for entry in inadequate:
+            foremost = frozenset(cause.cause for cause in entry.causes[:2])
+            reason = "" if foremost else entry.reason
+            groups[foremost, entry.remedy, reason, entry.signed].append(entry)
+        lines = remedies_of(matrix, {entry.model for entry in inadequate})
+        for line, ((foremost, remedy, reason, _), entries) in zip(
+            lines, groups.items(), strict=True
+        ):
+            assert line.remedy == remedy
+            assert_sense_is_printed(line, entries)
+            if foremost:
+                assert_causes_are_printed(line, entries)
+            else:
+                assert line.causes == (reason,)
+            assert counted_quantities(matrix, line.quantities) == len(
+                {entry.quantity for entry in entries}
+            )
+            for printed_range, errors in (
+                (line.without, [entry.error for entry in entries]),
+                (line.with_remedy, [entry.error_with_remedy for entry in entries]),
+            ):
+                # "3.1 to 12 %": the percent sign stands for both.
+                ends = numbers(re.sub(r"(?<=\d) to ", " % to ", printed_range))
+                by_size = sorted((error for error in errors if error is not None), key=abs)
+                assert bool(ends) is bool(by_size), printed_range
+                if by_size:
+                    # One number for all stands for the smallest and for the largest.
+                    assert [ends[0], ends[-1]] == [printed(by_size[0]), printed(by_size[-1])], (
+                        printed_range
+                    )
 
 
 def test_matrix_record_round_trip_keeps_keys():
