@@ -129,10 +129,14 @@ _FORMATS: Mapping[str, _Format] = {
 
 
 def with_mark(content: bytes, kind: str) -> bytes:
-    """Content of a file with a mark. `kind` is the suffix of the file, such as ".svg"."""
+    """Content of a file with a mark. `kind` is the suffix of the file, such as ".svg".
+
+    A kind of file without a format for marks has none.
+    """
     if kind == _TABLE:
         return content.replace(b"\n", b"\r\n", 1)
-    file_format = _FORMATS[kind]
+    if (file_format := _FORMATS.get(kind)) is None:
+        return content
     plain = file_format.plain(content)
     return file_format.with_mark(plain, _mark(plain))
 
@@ -145,7 +149,8 @@ def is_marked(path: Path, kind: str) -> bool:
     if kind == _TABLE:
         first, _, rest = content.partition(b"\n")
         return first.endswith(b"\r") and bool(rest) and b"\r" not in first[:-1] + rest
-    file_format = _FORMATS[kind]
+    if (file_format := _FORMATS.get(kind)) is None:
+        return False
     plain, mark = file_format.split(content)
     return mark == _mark(plain) and file_format.with_mark(plain, mark) == content
 

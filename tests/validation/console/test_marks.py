@@ -69,6 +69,16 @@ def test_marked_output_file_keeps_content(kind):
     assert reader(with_mark(content, kind)) == reader(content)
 
 
+def test_kind_without_mark_is_replaced_on_request(tmp_path):
+    """A new output format works before marks know its suffix."""
+    path = tmp_path / "table.md"
+    write(path, b"| a |\n", ".md")
+    assert path.read_bytes() == b"| a |\n"
+    with pytest.raises(InputError, match="--force"):
+        require_writable(path, ".md", force=False)
+    require_writable(path, ".md", force=True)
+
+
 @pytest.mark.parametrize("kind", KINDS)
 def test_changed_file_loses_its_mark(kind, tmp_path):
     """One changed byte anywhere in a result file; CSV files are recognised by their line ends."""
