@@ -180,13 +180,16 @@ def _leg_postures(
 ) -> Iterator[SpecialPosture]:
     """Special postures of one leg with respect to each other joint of its neighbour at `joint`.
 
-    Both are named if the neighbour is a leg between the two joints. `leg_side` and `side` are
+    Both are named if the neighbour is a leg between the two joints. There are none if the points of
+    the leg coincide. `leg_side` and `side` are
     the sides of `joint` that belong to the leg and to the neighbour. `rigid` contains the
     representative of each body's rigid group.
     """
     start, leg = _position(mechanism, leg_side), leg_side.body
     (other,) = set(mechanism.bodies[leg].interfaces) - {leg_side.point}
     along = _position(mechanism, Side(leg, other)) - start
+    if not along.any():
+        return
     along /= np.linalg.norm(along)
     for pivot in mechanism.joints:
         pivot_side = next(

@@ -160,3 +160,15 @@ def test_rods_across_their_slides_are_reported():
     (fault,) = faults(tables)
     for i in (1, 2, 3):
         assert f"rodl{i} and rodr{i} are at right angles to the slide of screw{i}" in fault
+
+
+@pytest.mark.filterwarnings("error")
+def test_platform_of_one_place_is_no_leg():
+    """A platform whose two points coincide has no direction."""
+    tables = with_points(FIVE_BAR, {"B1": [-0.075, 0.275, 0.0]})
+    tables["points"]["Q"] = tables["points"]["P"]
+    tables["bodies"]["platform"] = {"points": ["P", "Q"], "mass": 1.0, "centre": "P"}
+    tables["joints"]["seat"] = {"type": "fixed", "between": ["rod1", "platform"], "at": "P"}
+    tables["joints"]["pin"]["between"] = ["platform", "rod2"]
+    tables["tool"] = FIVE_BAR["tool"] | {"body": "platform", "point": "Q", "moves": ["x", "y"]}
+    assert any("crank1 and rod1 are stretched out in one line" in fault for fault in faults(tables))
