@@ -36,7 +36,7 @@ from lumped.arrays import Array
 from lumped.memo import memo
 from validation.adequacy.errors import first_largest
 from validation.responses.displacement import nearest_between
-from validation.uncertainty.combiners import Combiner, combined
+from validation.uncertainty.half_widths import Combiner, combined
 from validation.verdicts import Adequacy
 
 # Half-width of the two-sided 95 % interval of a normal distribution, in standard deviations.

@@ -45,7 +45,7 @@ from validation.references.robot_on_path import (
     robot_on_path,
 )
 from validation.studies_and_figures import PATH
-from validation.uncertainty.mesh_half_widths import MeshPolicy, mesh_half_widths
+from validation.uncertainty.half_widths import MeshPolicy
 
 # Number of frequencies compared with CalculiX, and with EXUDYN.
 SOLID_MODES, BEAM_MODES = 10, 6
@@ -236,9 +236,7 @@ def beams_and_exudyn(posture: Posture) -> tuple[PostureAnswer, Array, Array]:
     extrapolated, coarser_limit = (
         finer + (finer - coarser) / 3.0 for coarser, finer in ((middle, fine), (coarse, middle))
     )
-    half_widths = mesh_half_widths(
-        [np.abs(extrapolated - coarser_limit)], MeshPolicy.of_order(2.0, 4.0)
-    )
+    half_widths = MeshPolicy.of_order(2.0, 4.0).half_widths(np.abs(extrapolated - coarser_limit))
     return beams, extrapolated[beams.idle :], half_widths[beams.idle :]
 
 

@@ -31,7 +31,7 @@ from validation.uncertainty.grid_convergence import (
     orders_to_limits,
     pairwise_orders,
 )
-from validation.uncertainty.mesh_half_widths import PROVEN, UNPROVEN, MeshPolicy, mesh_half_widths
+from validation.uncertainty.half_widths import PROVEN, UNPROVEN, MeshPolicy
 
 # Relative errors for which the smallest sufficient element count is reported.
 TARGETS = (0.01, 0.001, 0.0001)
@@ -112,7 +112,7 @@ class ConvergenceSeries:
 
     def _half_widths(self, column: int) -> Array:
         sizes, values = 1.0 / np.array(self.counts, dtype=float), self.values[:, column]
-        widths = mesh_half_widths([self.largest_errors[:, column]], MeshPolicy.to_limit())
+        widths = MeshPolicy.to_limit().half_widths(self.largest_errors[:, column])
         if not np.isnan(self.orders[column]) or self.exact[column]:
             steps = np.abs(np.diff(self.errors[:, column]))
             ratios = sizes[:-1] / sizes[1:]
@@ -130,7 +130,7 @@ class ConvergenceSeries:
             orders = used * self.formal_order
             for k, step in enumerate(steps):
                 policy = MeshPolicy.of_order(ratios[k], orders[k], factors[k])
-                widths[k + 1] = mesh_half_widths([step], policy)
+                widths[k + 1] = policy.half_width(step)
         widths[0] = np.nan
         return np.asarray(widths + self.limit_half_widths[column] + self._round_off)
 

@@ -47,7 +47,7 @@ from validation.run.cache import Arrays
 from validation.run.executor import Executor, in_turn
 from validation.run.stored_results import StoringExecutor, part_digests
 from validation.uncertainty.grid_convergence import richardson
-from validation.uncertainty.mesh_half_widths import MeshPolicy, mesh_half_widths
+from validation.uncertainty.half_widths import MeshPolicy
 
 H = TypeVar("H")
 # Elements per leg: nearly equal steps on a logarithmic axis, with ratios of 2:1 for half-widths.
@@ -384,4 +384,4 @@ def _beam_limit(discretised: Discretised, theory: Theory) -> tuple[Array, Array]
     coarse, fine = (discretised.values(beams.with_count(count)) for count in _LIMIT_COUNTS)
     limits = richardson(coarse, fine, _LIMIT_COUNTS[1] / _LIMIT_COUNTS[0], BEAM_ORDER)
     errors = np.abs(relative_errors(fine, limits))
-    return limits, mesh_half_widths([errors], MeshPolicy.to_limit())
+    return limits, MeshPolicy.to_limit().half_widths(errors)

@@ -67,7 +67,7 @@ from validation.references.reference_legs import (
 from validation.solids.leg_meshes import formal_order
 from validation.solids.solid_legs import ELEMENTS, line_frequencies, mesh_properties
 from validation.solids.solid_size import why_shapeless
-from validation.uncertainty.mesh_half_widths import MeshPolicy, mesh_half_widths
+from validation.uncertainty.half_widths import MeshPolicy
 
 _HELD_SOURCE = "the same solid with ends free to warp and contract"
 _WALLS_SOURCE = "walls that converge push against each other (fem.beams.box_distortion)"
@@ -139,6 +139,7 @@ def _motion(
     meshes = solid_leg(context, leg)
     diagonal = entry, entry
     fine, coarse = meshes.fine[ends][diagonal], meshes.coarse[ends][diagonal]
+    free = MeshPolicy.of_order(meshes.ratio, formal_order(leg, "free"))
     restraint = meshes.restrained[diagonal] if ends == "rigid" else 0.0
     divisions = line_divisions(context.meshes, leg)
     on_coarse, computed = (context.get(computed_tip, leg, n)[diagonal] for n in divisions)
@@ -147,7 +148,7 @@ def _motion(
     formula = limited(
         float(theory - computed),
         (float(stiff - computed), float(soft - computed)),
-        _free_half_width(leg, on_coarse, computed, meshes.ratio),
+        free.half_width(computed - on_coarse),
     )
     walls = [context.get(_wall_distortion, leg, n) for n in divisions]
     coarse_walls, fine_walls = walls if entry == _TORSION else (0.0, 0.0)
@@ -156,15 +157,11 @@ def _motion(
     return Measurement(
         float(leg_compliance(model, leg, _options(limits))[diagonal]),
         float(fine),
-        reference_uncertainty=float(
-            mesh_half_widths([np.abs(np.array(fine - coarse))], slowest(meshes.ratio))
-        ),
+        reference_uncertainty=slowest(meshes.ratio).half_width(fine - coarse),
         judged_uncertainty=kinks
-        + _free_half_width(
-            leg,
-            meshes.coarse["free"][diagonal] - on_coarse - coarse_walls,
-            meshes.fine["free"][diagonal] - computed - fine_walls,
-            meshes.ratio,
+        + free.half_width(
+            (meshes.fine["free"][diagonal] - computed - fine_walls)
+            - (meshes.coarse["free"][diagonal] - on_coarse - coarse_walls)
         ),
         allowances=(
             Allowance(HELD_FACES, -float(restraint), _HELD_SOURCE),
@@ -173,15 +170,6 @@ def _motion(
             *((Allowance(_KINKED_WALLS, -kinks, _KINKS_SOURCE),) if kinks else ()),
         ),
     )
-
-
-def _free_half_width(leg: LineLeg, coarse: float, fine: float, ratio: float) -> float:
-    """Half-width of a result of the solid with free ends, from its values on two meshes.
-
-    `ratio`: element size of the coarse mesh over that of the fine one.
-    """
-    policy = MeshPolicy.of_order(ratio, formal_order(leg, "free"))
-    return float(mesh_half_widths([np.abs(np.array(fine - coarse))], policy))
 
 
 def _on_solid_mesh(leg: LineLeg, divisions: int) -> Callable[[ConstantLeg], SectionMesh]:
@@ -273,6 +261,8 @@ def _frequency(
     leg = _leg(context, body)
     ends = limits.ends_of(leg.ends)
     meshes = line_divisions(context.meshes, leg)
+    ratio = meshes[1] / meshes[0]
+    policy = MeshPolicy.of_order(ratio, formal_order(leg, "free"))
     (coarse, fine), (coarse_free, free) = (
         [context.get(_solid_frequencies, leg, number, end_condition)[index] for number in meshes]
         for end_condition in (ends, "free")
@@ -287,18 +277,14 @@ def _frequency(
     formula = limited(
         float(theory - computed),
         (float(soft - computed), float(stiff - computed)),
-        _free_half_width(leg, on_coarse, computed, meshes[1] / meshes[0]),
+        policy.half_width(computed - on_coarse),
     )
     value = leg_frequencies(model, leg, index + 1, _options(limits))[index]
     return Measurement(
         float(value),
         float(fine),
-        reference_uncertainty=float(
-            mesh_half_widths([np.abs(np.array(fine - coarse))], slowest(meshes[1] / meshes[0]))
-        ),
-        judged_uncertainty=_free_half_width(
-            leg, coarse_free - on_coarse, free - computed, meshes[1] / meshes[0]
-        ),
+        reference_uncertainty=slowest(ratio).half_width(fine - coarse),
+        judged_uncertainty=policy.half_width((free - computed) - (coarse_free - on_coarse)),
         allowances=(
             Allowance(HELD_FACES, float(free - fine), _HELD_SOURCE),
             Allowance(DISTORTION, -float(computed) * change, _WAVES_SOURCE),

@@ -34,7 +34,7 @@ from validation.run.executor import Executor, in_turn
 from validation.solids.leg_meshes import formal_order
 from validation.solids.solid_legs import ROUND_OFF
 from validation.uncertainty.grid_convergence import analyse, richardson
-from validation.uncertainty.mesh_half_widths import MeshPolicy, mesh_half_widths
+from validation.uncertainty.half_widths import MeshPolicy
 
 DIVISIONS = (1, 2, 3, 4)
 SOLIDS = (Discretisation("solid", ends="rigid"), Discretisation("solid", ends="free"))
@@ -120,7 +120,7 @@ def _limits(counts: tuple[int, ...], values: Array, formal: float) -> tuple[Arra
     ratio = counts[-1] / counts[-2]
     policy = MeshPolicy.of_order(ratio, formal)
     limits = richardson(values[-2], values[-1], ratio, formal)
-    half_widths = mesh_half_widths([np.abs(values[-1] - values[-2])], policy)
+    half_widths = policy.half_widths(np.abs(values[-1] - values[-2]))
     orders = np.full(len(limits), np.nan)
     if len(counts) < _FEWEST_FOR_ORDER:
         return limits, half_widths, orders

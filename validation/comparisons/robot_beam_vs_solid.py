@@ -89,7 +89,7 @@ from validation.solids.solid_legs import (
     face_restraint,
 )
 from validation.solids.solid_size import too_large, why_shapeless
-from validation.uncertainty.mesh_half_widths import MeshPolicy, mesh_half_widths
+from validation.uncertainty.half_widths import MeshPolicy
 
 # Remedies for an undecided comparison: if rigid end faces are the cause, and if meshes are.
 _FREE_ENDS = (
@@ -283,6 +283,7 @@ def _motion(context: Context, model: ModelName, entry: int, limits: AgreementLim
                 f"{context.meshes}"
             )
     statics = context.get(robot_statics, posture, context.meshes, limits)
+    policy = slowest(statics.ratio)
     reference = float(statics.solid[_FINE, entry])
     motions_of_kind = statics.solid[_FINE, :3] if entry < 3 else statics.solid[_FINE, 3:]
     if reference <= _STILL * motions_of_kind.max():
@@ -294,13 +295,13 @@ def _motion(context: Context, model: ModelName, entry: int, limits: AgreementLim
     formula = limited(
         float(statics.textbook[entry]) - computed,
         (float(statics.stiff[entry]) - computed, float(statics.soft[entry]) - computed),
-        _step(computed - statics.other_mesh[entry], statics.ratio),
+        policy.half_width(computed - statics.other_mesh[entry]),
     )
     return Measurement(
         float(model_response.compliance[entry, entry]),
         reference,
-        reference_uncertainty=_step(reference - statics.solid[_COARSE, entry], statics.ratio),
-        judged_uncertainty=_step(residuals[_FINE] - residuals[_COARSE], statics.ratio),
+        reference_uncertainty=policy.half_width(reference - statics.solid[_COARSE, entry]),
+        judged_uncertainty=policy.half_width(residuals[_FINE] - residuals[_COARSE]),
         allowances=(
             Allowance(
                 HELD_FACES,
@@ -315,10 +316,6 @@ def _motion(context: Context, model: ModelName, entry: int, limits: AgreementLim
 
 def _options(limits: AgreementLimits) -> ModelOptions:
     return replace(DEFAULT_OPTIONS, elements=limits.elements)
-
-
-def _step(change: float, ratio: float) -> float:
-    return float(mesh_half_widths([np.abs(np.array(change))], slowest(ratio)))
 
 
 def robot_modes(
@@ -476,15 +473,11 @@ def _frequency(
     reference, free = float(modes.specified_ends[_FINE, index]), modes.free_ends[:, index]
     computed = float(modes.computed[_FINE, index])
     policy = MeshPolicy.of_order(meshes.ratio(legs), FORMAL_ORDER)
-
-    def half_width(*steps: float) -> float:
-        return float(mesh_half_widths([np.sum(np.abs(steps))], policy))
-
     residuals = distorted - free
     formula = limited(
         float(modes.textbook[index]) - computed,
         (float(modes.soft[index]) - computed, float(modes.stiff[index]) - computed),
-        half_width(computed - float(modes.computed[_COARSE, index])),
+        policy.half_width(computed - float(modes.computed[_COARSE, index])),
     )
     shares = [
         context.get(rigid_end_share, leg, meshes.fine.section_divisions(leg), kind)
@@ -498,16 +491,16 @@ def _frequency(
     )
     difference = float(free[_FINE]) - reference
     share = _REISSNER * float(modes.rigid_end_changes[index]) + max(shares, default=0.0)
-    faces = limited(difference, (-share * reference, 0.0), half_width(*steps))
+    faces = limited(difference, (-share * reference, 0.0), policy.half_width(np.abs(steps).sum()))
     # Static fields underestimate the end restraint in vibration, for short waves by less than a
     # factor of two. Within this factor the comparison is undecided; beyond it the solid is wrong.
     beyond = abs(difference - faces) if abs(difference) <= 2.0 * abs(faces) else 0.0
     return Measurement(
         value,
         reference,
-        reference_uncertainty=half_width(steps[0]),
+        reference_uncertainty=policy.half_width(steps[0]),
         # Section constants, waves and solids share the error of one section mesh, which cancels.
-        judged_uncertainty=half_width(float(residuals[_FINE] - residuals[_COARSE])) + beyond,
+        judged_uncertainty=policy.half_width(residuals[_FINE] - residuals[_COARSE]) + beyond,
         allowances=(
             Allowance(HELD_FACES, faces, HELD_SOURCE),
             Allowance(DISTORTION, computed - float(distorted[_FINE]), WAVES_SOURCE),

@@ -39,7 +39,7 @@ from validation.references.robot_on_path import NOMINAL, Reading, RobotOnPath, r
 from validation.solve.model_answers import checked
 from validation.solve.question import Question
 from validation.solve.uncertainty import mesh_policy, second_divisions
-from validation.uncertainty.mesh_half_widths import MeshPolicy, half_widths_on
+from validation.uncertainty.half_widths import MeshPolicy, half_widths_on
 
 # Levels of a mesh, rule for half-widths, and model and reading on each level.
 MeshStudy: TypeAlias = tuple[

@@ -36,7 +36,7 @@ from validation.models.reduced_parts import found_in, shape_of, unknowns_of
 from validation.models.robot_bodies import sectioned_legs
 from validation.parts.meshes import FINEST, part_mesh
 from validation.solve.uncertainty import second_divisions
-from validation.uncertainty.mesh_half_widths import MeshPolicy, mesh_half_widths
+from validation.uncertainty.half_widths import MeshPolicy
 
 # Distance from singular edges within which stresses are ignored, as a fraction of the smallest side
 # of the body's bounding box.
@@ -186,8 +186,7 @@ def _field(
         counted = away_from(coarse.mesh.nodes, coarse.singular, distance)
         other = float(von_mises(_solved(coarse, ends, motion)[1])[counted].max(initial=0.0))
         ratio = (len(fine.mesh.nodes) / len(coarse.mesh.nodes)) ** (1.0 / 3.0)
-        change = np.array(abs(float(sizes[node]) - other))
-        half_width = float(mesh_half_widths([change], MeshPolicy.of_order(ratio, _ORDER)))
+        half_width = MeshPolicy.of_order(ratio, _ORDER).half_width(float(sizes[node]) - other)
     frame = posture.frames[body.name]
     places = frame.position + fine.mesh.nodes @ frame.rotation.T
     return SolidStress(

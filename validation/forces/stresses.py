@@ -28,7 +28,7 @@ from lumped.memo import memo
 from lumped.sections import Composite, Section
 from lumped.system.members import MemberForces
 from meshes.section.section_mesh import section_mesh
-from validation.uncertainty.mesh_half_widths import MeshPolicy, mesh_half_widths
+from validation.uncertainty.half_widths import MeshPolicy
 
 # Elements across the smaller side of a section on the coarse and on the fine mesh. Orders of
 # convergence of stresses: that of gradients of quadratic elements, and a lower one for sections
@@ -104,7 +104,6 @@ def member_stress(leg: SectionedLeg, member: MemberForces) -> MemberStress | Non
     fine = _stresses(leg, section)
     node = int(np.argmax(np.where(fine.regular, fine.von_mises(forces[None])[0], 0.0)))
     coarse = _stresses_on(leg, section, _DIVISIONS[0])
-    change = np.array(abs(largest - _largest(coarse, forces)))
     policy = MeshPolicy.of_order(2.0, _SMOOTH if fine.regular.all() else _STEEP)
     # The von Mises stress is a norm: it changes by at most that of the stresses due to the change
     # of the forces.
@@ -114,7 +113,7 @@ def member_stress(leg: SectionedLeg, member: MemberForces) -> MemberStress | Non
     return MemberStress(
         member.leg,
         largest,
-        float(mesh_half_widths([change], policy) + of_forces),
+        policy.half_width(largest - _largest(coarse, forces)) + float(of_forces),
         station,
         (float(y), float(z)),
         float(fine.normal[node] @ forces),

@@ -38,7 +38,7 @@ from validation.references.robot_on_path import (
     robot_at,
     why_not_serial,
 )
-from validation.uncertainty.mesh_half_widths import MeshPolicy, mesh_half_widths
+from validation.uncertainty.half_widths import MeshPolicy
 from validation.verdicts import Adequacy, Entry, Matrix, ModelNote, worst_of
 
 # Second order in the element count n: the error of n elements is 4/3 of the change to 2n.
@@ -320,7 +320,7 @@ def _comparison(predictions: Predictions, name: str, measured: Measured) -> Comp
     if (judged_model := predictions.judged_by_name[name]).kind in OF_ELEMENTS:
         finer = perturbed(f"{2 * judged_model.options.elements} elements", elements=2)
         # The estimate is the half-width of a 95 % interval.
-        numerical = float(mesh_half_widths([np.abs(value - finer)], _DOUBLING)) / COVERAGE
+        numerical = _DOUBLING.half_width(value - finer) / COVERAGE
     return Comparison(value, measured.value, numerical, propagated(changes), measured.uncertainty)
 
 

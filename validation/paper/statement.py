@@ -23,7 +23,7 @@ from validation.models.options import DEFAULT_OPTIONS, ModelOptions
 from validation.published_statements import Claim, ClaimedCurve
 from validation.record_fields import finite
 from validation.run.outcome import verdict
-from validation.uncertainty.mesh_half_widths import MeshPolicy, mesh_half_widths
+from validation.uncertainty.half_widths import MeshPolicy
 
 # Number of postures over the stroke at which curves are compared.
 POSTURES = 81
@@ -125,9 +125,8 @@ class _Statement:
         if not self.order:
             return measurement
         coarse = replace(self.reported, elements=self.reported.elements // 2)
-        change = abs(measurement.value - _measure(context, case, coarse).value)
-        policy = MeshPolicy.of_order(2.0, self.order)
-        half_width = float(mesh_half_widths([np.asarray(change)], policy))
+        change = measurement.value - _measure(context, case, coarse).value
+        half_width = MeshPolicy.of_order(2.0, self.order).half_width(change)
         return replace(measurement, value_uncertainty=half_width, exact=False)
 
     def _curve(self, context: Context, case: Case, name: str) -> ClaimedCurve:

@@ -14,14 +14,12 @@ half-widths contained the error of at least 95 % of random parts
 """
 
 from collections.abc import Sequence
-from itertools import pairwise
 
 import numpy as np
 
 from lumped.arrays import Array
 from meshes.part.volume import RATIO
-from validation.uncertainty.combiners import relative_sizes
-from validation.uncertainty.mesh_half_widths import MeshPolicy, mesh_half_widths
+from validation.uncertainty.half_widths import MeshPolicy, half_widths_on, relative_sizes
 
 # Relative round-off of compliances and frequencies. Smaller changes have no order.
 _ROUND_OFF = 1e-9
@@ -41,8 +39,13 @@ def refinement_uncertainty(values: Sequence[Array], scale: Array | None = None) 
     if not coarser:
         return np.full_like(fine, np.nan)
     size = np.abs(fine) if scale is None else scale
-    changes = [relative_sizes(second - first, size) for first, second in pairwise(values)]
-    return np.asarray(mesh_half_widths(changes, TETRAHEDRA) * size)
+    half_widths = half_widths_on(
+        range(len(values)),
+        TETRAHEDRA,
+        values.__getitem__,
+        lambda first, second, _: relative_sizes(second - first, size),
+    )
+    return half_widths * size
 
 
 def compliance_uncertainty(compliances: Sequence[Array]) -> Array:

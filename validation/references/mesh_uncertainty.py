@@ -36,8 +36,7 @@ from validation.references.robot_on_path import MeshKind, Reading, RobotOnPath
 from validation.responses.displacement import sizes
 from validation.responses.mode_partners import frequency_changes, shares_by_shape
 from validation.responses.statics_and_modes import PathModes, Statics
-from validation.uncertainty.combiners import relative_sizes
-from validation.uncertainty.mesh_half_widths import MeshPolicy, half_widths_on
+from validation.uncertainty.half_widths import MeshPolicy, half_widths_on, relative_sizes
 
 H = TypeVar("H")
 _TWO_LEVELS = (0, 1)

@@ -40,7 +40,7 @@ from validation.solids.leg_meshes import (
 )
 from validation.solids.solid_legs import TwoMeshes, computed_properties, computed_rod, two_meshes
 from validation.solids.solid_size import larger_preset, too_large, why_shapeless
-from validation.uncertainty.mesh_half_widths import MeshPolicy
+from validation.uncertainty.half_widths import MeshPolicy
 
 # Largest number of unknowns in the section mesh of a solid leg. The second number applies if the
 # first does not allow two meshes of the section's walls.

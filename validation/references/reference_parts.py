@@ -31,7 +31,7 @@ from validation.parts.refinement import TETRAHEDRA
 from validation.references.reference import Remedy, StepTexts
 from validation.references.robot_on_path import Springs
 from validation.responses.statics_and_modes import Statics
-from validation.uncertainty.mesh_half_widths import MeshPolicy
+from validation.uncertainty.half_widths import MeshPolicy
 
 Bodies = Mapping[str, BodyModel]
 _FEWEST = 8

@@ -50,7 +50,7 @@ from validation.references.robot_on_path import Reading, RobotOnPath
 from validation.responses.displacement import sizes
 from validation.responses.mode_partners import shares_by_shape
 from validation.responses.statics_and_modes import PathModes, Statics
-from validation.uncertainty.combiners import Combiner, half_widths_by
+from validation.uncertainty.half_widths import Combiner, half_widths_by
 
 # Element count for sensitivities to printed digits: an error of 1 % of a half-width is negligible.
 _FEW_ELEMENTS = ModelOptions(elements=8)

@@ -55,7 +55,7 @@ from validation.uncertainty.grid_convergence import (
     uncertainty_of,
     uncertainty_of_known_orders,
 )
-from validation.uncertainty.mesh_half_widths import MeshPolicy, mesh_half_widths
+from validation.uncertainty.half_widths import MeshPolicy
 
 # Relative round-off of compliances and frequencies. Smaller changes are not convergence.
 ROUND_OFF = 1e-9
@@ -112,7 +112,7 @@ class Refinement:
                 return self.free.uncertainty(*index) + edges.uncertainty(*index)
             ratio = float(self._sizes[-2] / self._sizes[-1])
             policy = MeshPolicy.of_order(ratio, self.formal_order)
-            return float(mesh_half_widths([np.abs(values[-1] - values[-2])], policy))
+            return policy.half_width(values[-1] - values[-2])
         if self.formal_order < FORMAL_ORDER:
             return uncertainty_of_known_orders(
                 self._sizes, values, (self.formal_order, FORMAL_ORDER)

@@ -35,9 +35,14 @@ from validation.solids.solid_legs import GRIDS_FOR_ORDER, ROUND_OFF
 from validation.solve.answer import HalfWidths, MeshUncertainty, PartUncertainty
 from validation.solve.question import Question
 from validation.solve.solved_model import SolvedModes, leg_alone, solved_model
-from validation.uncertainty.combiners import Combiner, half_widths_by, relative_sizes
 from validation.uncertainty.grid_convergence import richardson_limits
-from validation.uncertainty.mesh_half_widths import MeshPolicy, half_widths_on
+from validation.uncertainty.half_widths import (
+    Combiner,
+    MeshPolicy,
+    half_widths_by,
+    half_widths_on,
+    relative_sizes,
+)
 
 # Smallest ratio of element sizes of both meshes. Walls with one element across keep one, so that
 # half the divisions give a ratio of only 1.2 (tubes) or 1.3.

@@ -20,7 +20,7 @@ import numpy as np
 import scipy
 
 from lumped.arrays import Array
-from validation.uncertainty.mesh_half_widths import PROVEN, UNPROVEN, MeshPolicy, mesh_half_widths
+from validation.uncertainty.half_widths import PROVEN, UNPROVEN, MeshPolicy
 
 F = TypeVar("F", float, Array)
 Behaviour: TypeAlias = Literal["monotone", "oscillating", "diverging", "round-off plateau"]
@@ -223,7 +223,7 @@ def analyse(
     # 1.25 if the observed order is within 10 % of the formal one, otherwise 3.
     proven = abs(order - formal_order) <= CLOSE_TO_FORMAL * formal_order
     policy = MeshPolicy.to_limit(PROVEN if proven else UNPROVEN)
-    uncertainty = float(mesh_half_widths([np.abs(extrapolated - values[-1])], policy))
+    uncertainty = policy.half_width(extrapolated - values[-1])
     return Convergence(values, orders, order, extrapolated, uncertainty)
 
 
@@ -252,8 +252,7 @@ def uncertainty_of(convergence: Convergence) -> float:
     """
     if convergence.uncertainty is not None:
         return convergence.uncertainty
-    spread = np.ptp(convergence.values[-3:])
-    return float(mesh_half_widths([np.asarray(spread)], MeshPolicy.to_limit()))
+    return MeshPolicy.to_limit().half_width(float(np.ptp(convergence.values[-3:])))
 
 
 def uncertainty_of_known_orders(sizes: Array, values: Array, orders: tuple[float, ...]) -> float:
@@ -267,8 +266,8 @@ def uncertainty_of_known_orders(sizes: Array, values: Array, orders: tuple[float
     if len(values) < len(orders) + 2:
         raise ValueError(f"{len(orders)} orders need {len(orders) + 2} grids, not {len(values)}")
     fitted, deviations = _fitted(sizes, values, orders)
-    proven = mesh_half_widths([np.abs(fitted[0] - values[-1])], MeshPolicy.to_limit(PROVEN))
-    return float(proven) + float(np.max(np.abs(deviations)))
+    proven = MeshPolicy.to_limit(PROVEN).half_width(float(fitted[0] - values[-1]))
+    return proven + float(np.max(np.abs(deviations)))
 
 
 def _plateau(sizes: Array, values: Array, round_off: float) -> Convergence:

@@ -21,7 +21,7 @@ from validation.references.reference_legs import (
 )
 from validation.references.robot_on_path import robot_on_path
 from validation.solids.leg_meshes import COARSEST_WALLS, section_of
-from validation.uncertainty.mesh_half_widths import UNPROVEN, half_widths_on
+from validation.uncertainty.half_widths import UNPROVEN, half_widths_on
 
 
 @pytest.mark.parametrize("row", ["_STATIC_SECTIONS", "_MODAL_SECTIONS"])

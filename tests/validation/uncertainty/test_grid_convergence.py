@@ -23,7 +23,7 @@ from validation.uncertainty.grid_convergence import (
     three_grid_order,
     uncertainty_of_known_orders,
 )
-from validation.uncertainty.mesh_half_widths import MeshPolicy, mesh_half_widths
+from validation.uncertainty.half_widths import MeshPolicy
 from validation.uncertainty.refinement import Accuracy, refined
 
 HALVING = 0.4 / 2.0 ** np.arange(10)
@@ -152,7 +152,7 @@ def test_two_grids_use_formal_order():
     """Half-width 3/(rᵖ − 1) times the change, with r = 2."""
     for order, half_width in ((2.0, 1.0), (4.0, 0.2)):
         policy = MeshPolicy.of_order(2.0, order)
-        assert mesh_half_widths([1.0], policy) == pytest.approx(half_width)
+        assert policy.half_width(-1.0) == pytest.approx(half_width)
     assert Refinement((1, 2), np.array([3.5, 3.125]), 2.0).uncertainty() == pytest.approx(0.375)
 
 
@@ -171,7 +171,7 @@ def test_two_grids_use_formal_order():
 def test_three_mesh_half_width_is_exact(changes, half_width) -> None:
     """Observed order within 1 to 2, safety factor 1.5, ratio 2."""
     policy = MeshPolicy(2.0, orders=(1.0, 2.0), safety=1.5)
-    half_widths = mesh_half_widths([np.array([change]) for change in changes], policy)
+    half_widths = policy.half_widths(*(np.array([change]) for change in changes[::-1]))
     assert half_widths == pytest.approx([half_width], rel=1e-12)
 
 
