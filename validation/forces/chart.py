@@ -4,7 +4,7 @@ Input: `PoseForces` of one or several poses, and the name of a load. Output: a `
 several poses, only the joints, drives and legs with the largest values are drawn.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 
 import numpy as np
@@ -17,6 +17,16 @@ from validation.forces.results import ForcesUnderLoad, PoseForces, largest_of
 _MOST_CURVES = 6
 # Share of the largest curve below which a curve is round-off and is not drawn.
 _NEGLIGIBLE = 1e-9
+# Panels over the poses, with the scales of their y axes.
+_DRIVES = {"N": "force of the drive (N)", "N m": "torque of the drive (N m)"}
+_FORCE, _MOMENT = "force in the joint (N)", "moment in the joint (N m)"
+_AXIAL, _STRESS = "axial force in the leg (N)", "largest von Mises stress (MPa)"
+_OVER_POSES: Mapping[str, Scale | None] = {
+    **dict.fromkeys(_DRIVES.values()),
+    **dict.fromkeys((_FORCE, _MOMENT), from_zero),
+    _AXIAL: None,
+    _STRESS: from_zero,
+}
 
 
 def forces_chart(poses: Sequence[PoseForces], model: str, moves: Sequence[str], load: str) -> Chart:
@@ -64,7 +74,7 @@ def _along_legs(result: ForcesUnderLoad | None, load: str) -> Chart:
                 )
                 for leg, stress in stresses.items()
             ],
-            "largest von Mises stress (MPa)",
+            _STRESS,
             scale=from_zero,
             staggered=False,
         )
@@ -89,36 +99,27 @@ def _over_poses(poses: Sequence[PoseForces], model: str, moves: Sequence[str], l
     """Chart of drive forces, joint forces and moments, axial forces and stresses over the poses."""
     result = [pose.loads[load] for pose in poses]
     x, label, ticks = _abscissa(poses, moves)
-    drives: dict[str, dict[str, list[float]]] = {"N": {}, "N m": {}}
-    joint_forces: dict[str, list[float]] = {}
-    joint_moments: dict[str, list[float]] = {}
-    axial: dict[str, list[float]] = {}
-    stresses: dict[str, list[float]] = {}
-    half_widths: dict[str, list[float]] = {}
+    curves: dict[str, dict[str, Array]] = {title: {} for title in _OVER_POSES}
+    half_widths: dict[str, Array] = {}
     for number, under in enumerate(result):
         if under is None:
             continue
-        for reaction in under.reactions:
-            force, moment = np.linalg.norm(reaction.wrench.reshape(2, 3), axis=1).tolist()
-            _set(joint_forces, reaction.joint, len(result), number, force)
-            _set(joint_moments, reaction.joint, len(result), number, moment)
-            if reaction.drive is not None:
-                _set(
-                    drives[reaction.drive_unit], reaction.joint, len(result), number, reaction.drive
-                )
-        for member in under.members:
-            extreme = member.forces[np.argmax(np.abs(member.forces[:, 0])), 0]
-            _set(axial, member.leg, len(result), number, extreme)
+        for title, name, value in _numbers(under):
+            curves[title].setdefault(name, np.full(len(result), np.nan))[number] = value
         for leg, stress in under.stresses.items():
-            _set(stresses, leg, len(result), number, 1e-6 * stress.largest)
-            _set(half_widths, leg, len(result), number, 1e-6 * stress.half_width)
+            widths = half_widths.setdefault(leg, np.full(len(result), np.nan))
+            widths[number] = 1e-6 * stress.half_width
     panels = [
-        _panel(x, "force of the drive (N)", drives["N"]),
-        _panel(x, "torque of the drive (N m)", drives["N m"]),
-        _panel(x, "force in the joint (N)", joint_forces, from_zero),
-        _panel(x, "moment in the joint (N m)", joint_moments, from_zero),
-        _panel(x, "axial force in the leg (N)", axial),
-        _panel(x, "largest von Mises stress (MPa)", stresses, from_zero, half_widths),
+        Panel(
+            [
+                Series(name, x, y, title, bars=half_widths[name] if title == _STRESS else None)
+                for name, y in by_name.items()
+            ],
+            title,
+            scale=_OVER_POSES[title],
+            staggered=False,
+        )
+        for title, by_name in curves.items()
     ]
     *of_forces, of_stresses = panels
     scale = max((largest_of(under) for under in result if under is not None), default=0.0)
@@ -140,28 +141,19 @@ def _over_poses(poses: Sequence[PoseForces], model: str, moves: Sequence[str], l
     )
 
 
-def _set(curves: dict[str, list[float]], name: str, count: int, number: int, value: float) -> None:
-    curves.setdefault(name, [np.nan] * count)[number] = value
-
-
-def _panel(
-    x: Array,
-    title: str,
-    curves: Mapping[str, Sequence[float]],
-    scale: Scale | None = None,
-    half_widths: Mapping[str, Sequence[float]] | None = None,
-) -> Panel:
-    series = [
-        Series(
-            name,
-            x,
-            np.array(y),
-            title,
-            bars=None if half_widths is None else np.array(half_widths[name]),
-        )
-        for name, y in curves.items()
-    ]
-    return Panel(series, title, scale=scale, staggered=False)
+def _numbers(under: ForcesUnderLoad) -> Iterator[tuple[str, str, float]]:
+    """Yield each number of a chart over the poses, with its panel and the name of its curve."""
+    for reaction in under.reactions:
+        if reaction.drive is not None:
+            yield _DRIVES[reaction.drive_unit], reaction.joint, reaction.drive
+        force, moment = np.linalg.norm(reaction.wrench.reshape(2, 3), axis=1).tolist()
+        yield _FORCE, reaction.joint, force
+        yield _MOMENT, reaction.joint, moment
+    for member in under.members:
+        extreme = member.forces[np.argmax(np.abs(member.forces[:, 0])), 0]
+        yield _AXIAL, member.leg, float(extreme)
+    for leg, stress in under.stresses.items():
+        yield _STRESS, leg, 1e-6 * stress.largest
 
 
 def _largest_curves(panel: Panel, scale: float = 0.0) -> Panel:

@@ -73,7 +73,7 @@ def forces(
     from lumped.robot_file import load_robot  # noqa: PLC0415
     from validation.console.progress import stage  # noqa: PLC0415
     from validation.forces.analysis import forces as computed  # noqa: PLC0415
-    from validation.forces.text import as_text  # noqa: PLC0415
+    from validation.forces.record import as_text  # noqa: PLC0415
     from validation.solve.question import Question  # noqa: PLC0415
 
     require_room(TO_COMPUTE)
@@ -94,7 +94,9 @@ def forces(
 
         write(picture, chart_png(result.chart(result.first_load), _DOTS), ".png")
     if vtu is not None:
-        from validation.forces.fields import vtu_of  # noqa: PLC0415
+        from validation.forces.solids import vtu_of  # noqa: PLC0415
 
-        write(vtu, vtu_of(result), ".vtu")
+        (under_load,) = result.poses[0].loads.values()
+        fields = {} if under_load is None else under_load.solids
+        write(vtu, vtu_of(fields.values()), ".vtu")
     return 0

@@ -6,8 +6,11 @@ their wrenches, and weight and inertia act on the mass. By equilibrium of the bo
 the first interface is then the wrench that acts on it. Pressures act on the faces of a CAD part.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -15,7 +18,7 @@ from fem.bodies.part import grips_of, held_part, meshed_part
 from fem.bodies.pressures import forces_on_faces
 from fem.bodies.rooted import RootedBody
 from fem.bodies.solid import clamped_leg, solid_leg, solid_mesh
-from fem.bodies.stresses import away_from, nodal_stresses, von_mises
+from fem.bodies.stresses import COMPONENTS, away_from, nodal_stresses, von_mises
 from fem.elasticity import on_three_components
 from fem.sections.stresses import regular_nodes
 from lumped.arrays import Array, IntArray, SparseMatrix
@@ -37,6 +40,10 @@ from validation.models.robot_bodies import sectioned_legs
 from validation.parts.meshes import FINEST, part_mesh
 from validation.solve.uncertainty import second_divisions
 from validation.uncertainty.half_widths import MeshPolicy
+
+if TYPE_CHECKING:
+    import pyvista
+
 
 # Distance from singular edges within which stresses are ignored, as a fraction of the smallest side
 # of the body's bounding box.
@@ -216,3 +223,34 @@ def _solved(solid: _Solid, ends: BodyEnds, motion: Motion) -> tuple[Array, Array
     stresses = nodal_stresses(solid.mesh, solid.material, deformed)
     carried = (coupled.transformation @ (coupled.motions @ ends.twists[:6])).reshape(-1, 3)
     return deformed + carried, stresses
+
+
+def vtu_of(solids: Iterable[SolidStress]) -> bytes:
+    """Content of a VTU file with the stress fields of bodies, in base axes, for ParaView.
+
+    Point data: "displacement" (m), "von Mises stress" and the stresses in the axes of the body
+    (Pa). Cell data "body": number of the body in the order of the robot file.
+    """
+    # VTK takes seconds to load and needs system libraries.
+    import pyvista  # noqa: PLC0415
+
+    grids = [_grid(number, solid) for number, solid in enumerate(solids, start=1)]
+    merged = pyvista.merge(grids, merge_points=False)
+    with TemporaryDirectory(prefix="flexproof-vtu-") as folder:
+        path = Path(folder) / "forces.vtu"
+        merged.save(path)
+        return path.read_bytes()
+
+
+def _grid(number: int, solid: SolidStress) -> "pyvista.UnstructuredGrid":
+    import pyvista  # noqa: PLC0415
+
+    kind = ELEMENTS[solid.mesh.element]
+    cells = {kind.vtk_type: solid.mesh.cells[:, list(kind.vtk_order)]}
+    grid = pyvista.UnstructuredGrid(cells, solid.mesh.nodes)
+    grid.point_data["displacement"] = solid.displacements
+    grid.point_data["von Mises stress"] = von_mises(solid.stresses)
+    for name, values in zip(COMPONENTS, solid.stresses.T, strict=True):
+        grid.point_data[f"stress {name}"] = values
+    grid.cell_data["body"] = np.full(grid.n_cells, number)
+    return grid

@@ -5,7 +5,7 @@ import json
 import pytest
 
 from validation import api
-from validation.forces.text import as_text
+from validation.forces.record import as_text
 
 WIDTH, LOWER, UPPER, LENGTH, FORCE = 0.02, 0.006, 0.004, 0.3, 50.0
 E_LOWER, E_UPPER = 7.0e10, 2.1e11

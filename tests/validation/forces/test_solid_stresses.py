@@ -14,9 +14,9 @@ from lumped.legs import ConstantLeg, Material
 from lumped.sections import Composite, CompositePart, Rectangle
 from meshes.prism import hexahedra, tetrahedra
 from validation.forces.analysis import forces
-from validation.forces.fields import vtu_of
+from validation.forces.record import as_text
 from validation.forces.solids import _leg as leg_solid
-from validation.forces.text import as_text
+from validation.forces.solids import vtu_of
 from validation.models.options import DEFAULT_OPTIONS
 from validation.solve.question import Question
 
@@ -104,9 +104,9 @@ def test_peak_stress_covers_beam_at_clamp(bar):
 def test_vtu_has_the_fields_of_all_bodies(bar, tmp_path):
     """PyVista reads nodes, von Mises stresses and numbers of bodies."""
     pyvista = pytest.importorskip("pyvista")
-    analysis, field = bar
+    _, field = bar
     path = tmp_path / "bar.vtu"
-    path.write_bytes(vtu_of(analysis))
+    path.write_bytes(vtu_of([field]))
     grid = pyvista.read(path)
     assert grid.n_points == len(field.mesh.nodes)
     largest = np.asarray(grid.point_data["von Mises stress"])
