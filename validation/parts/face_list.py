@@ -91,16 +91,15 @@ def as_json(part: PartFile) -> str:
 
 
 def _record(face: Face) -> FaceRecord:
-    record = FaceRecord(
+    is_round = face.kind in ("bore", "boss")
+    return FaceRecord(
         number=face.number,
         kind=face.kind,
         area=face.area,
         centre=face.centre,
         normal=face.direction if face.kind == "plane" else UNSET,
+        axis=face.direction if is_round else UNSET,
+        on_axis=face.on_axis if is_round else UNSET,
+        radius=face.radius if is_round else UNSET,
         name=face.name,
-    )
-    if face.kind not in ("bore", "boss"):
-        return record
-    return msgspec.structs.replace(
-        record, axis=face.direction, on_axis=face.on_axis, radius=face.radius
     )

@@ -116,25 +116,18 @@ def free_entry(
 
     def read(arrays: dict[str, Array]) -> FreePart:
         require_shape(arrays, frequencies=(None,), frequency_refinement=(None,), inertia=(3, 3))
-        names = [entry.name for entry in fields(FreePart) if entry.name in arrays]
-        # numpy stores scalars as arrays without axes.
-        values: dict[str, Any] = {
-            name: arrays[name] if arrays[name].ndim else arrays[name].item() for name in names
-        }
-        values["unknowns"] = tuple(int(count) for count in arrays["unknowns"])
-        return FreePart(part=part, **values)
+        return FreePart(part=part, **stored_values(FreePart, arrays))
 
     needs = mesh_entries(part, (), unknowns, LEVELS)
     return CacheEntry(key, lambda: _free_modes(part, material, unknowns, modes), read, needs)
 
 
-def largest_half_width(part: FreePart) -> float:
-    """Largest relative half-width of the frequencies.
-
-    Infinite if the file of the part is a mesh.
-    """
-    shares = np.abs(part.frequency_refinement / part.frequencies)
-    return float(np.max(np.nan_to_num(shares, nan=np.inf), initial=0.0))
+def stored_values(record: type, arrays: dict[str, Array]) -> dict[str, Any]:
+    """Values of the fields of a `record` that are stored as `arrays`, by name of the field."""
+    names = [entry.name for entry in fields(record) if entry.name in arrays]
+    # numpy stores scalars as arrays without axes.
+    values = {name: arrays[name] if arrays[name].ndim else arrays[name].item() for name in names}
+    return values | {"unknowns": tuple(int(count) for count in arrays["unknowns"])}
 
 
 def _free_modes(part: PartFile, material: Material, unknowns: int, modes: int) -> dict[str, Any]:

@@ -1,7 +1,7 @@
 """Results of an identification as text, JSON, arrays and a table for a robot file.
 
-Input: an `Identified` part. Output: text, JSON (schema 1) or arrays, in SI units and the axes of
-the file.
+Input: an `Identified` part, or a `FreePart` without supports. Output: text, JSON (schema 1) or
+arrays, in SI units and the axes of the file.
 """
 
 from collections.abc import Mapping, Sequence
@@ -15,6 +15,7 @@ from lumped.arrays import Array
 from lumped.mechanism.placing import leg_frame
 from lumped.screws import turn
 from lumped.text import counted
+from validation.parts.free_modes import FreePart
 from validation.parts.identify import Identified
 from validation.record_fields import CountRecord, finite_items, json_text
 from validation.uncertainty.refinement import Accuracy
@@ -64,42 +65,94 @@ class IdentifiedRecord(msgspec.Struct, frozen=True, kw_only=True):
     bracket: Mapping[str, Any]
 
 
-def as_text(identified: Identified, accuracy: Accuracy | None = None) -> str:
-    """Mass, diagonal compliances and frequencies with uncertainties, and a TOML table, as text.
+class FreePartRecord(msgspec.Struct, frozen=True, kw_only=True):
+    """JSON document of `identify --free`, in SI units."""
 
-    The table is for a robot file. `accuracy`: result of the refinement by --accuracy, None without
-    this option.
+    schema: Literal[1] = 1
+    part: str
+    unit: str
+    unknowns: tuple[int, ...]
+    straightened: int
+    mass: float
+    accuracy: Accuracy | UnsetType = UNSET
+    rigid: int
+    frequencies: Array
+    centre: Array
+    inertia: Array
+    modes_counted: CountRecord
+    # Half-widths due to meshes, with None for an unknown one.
+    uncertainty: Mapping[str, Any]
+
+
+def as_text(part: Identified | FreePart, accuracy: Accuracy | None = None) -> str:
+    """Mass, and compliances and frequencies with their uncertainties, as text.
+
+    For a part with interfaces, the last lines are a TOML table for a robot file. `accuracy`: result
+    of the refinement by --accuracy, None without this option.
     """
-    counts = ", ".join(map(str, identified.unknowns))
-    meshes = f"meshes of {counts} unknowns; {identified.elements} tetrahedra in the finest"
-    if len(identified.unknowns) == 1:
+    counts = ", ".join(map(str, part.unknowns))
+    meshes = f"meshes of {counts} unknowns; {part.elements} tetrahedra in the finest"
+    if len(part.unknowns) == 1:
         meshes = f"one mesh, from the file, of {counts} unknowns"
+    mass = f"mass {part.total:.6g} kg, centre ({_coordinates(part.centre)}) m"
+    if isinstance(part, FreePart):
+        details = _free_frequencies(part)
+    else:
+        meshes, mass = meshes + _remarks_on_meshes(part), mass + _volume_deviation(part)
+        details = _between_interfaces(part)
+    heading = [f"{part.part.path}: {part.part.size}", "", meshes]
+    return "\n".join([*heading, *([accuracy.text] if accuracy else []), mass, *details])
+
+
+def _free_frequencies(part: FreePart) -> list[str]:
+    rows = zip(part.frequencies, part.frequency_refinement, strict=True)
+    return [
+        "",
+        f"rigid-body motions, counted and omitted: {part.rigid}",
+        f"frequencies without supports (Hz); {part.counted} counted below "
+        f"{part.counted_below:.6g} Hz, none missing; ± half-width of the meshes",
+        *(
+            f"  {number:<4} {value:12.2f}  ± {_percent(half_width / value)}"
+            for number, (value, half_width) in enumerate(rows, start=1)
+        ),
+    ]
+
+
+def _remarks_on_meshes(identified: Identified) -> str:
+    remarks = ""
     if identified.straightened:
-        meshes += f", {identified.straightened} of them straightened"
+        remarks += f", {identified.straightened} of them straightened"
     if not identified.by_curvature:
-        meshes += "; element sizes do not follow the curvature, because gmsh fails with such sizes"
-    mass = f"mass {identified.total:.6g} kg, centre ({_coordinates(identified.centre)}) m"
-    if identified.deviation is not None:
-        mass += f", volume differs by {identified.deviation:+.1e} from the exact one"
-        exact = identified.part.exact
-        if exact and exact.error:
-            mass += f" (integrated over its splines to {exact.error / exact.volume:.0e})"
+        remarks += "; element sizes do not follow the curvature, because gmsh fails with such sizes"
+    return remarks
+
+
+def _volume_deviation(identified: Identified) -> str:
+    if identified.deviation is None:
+        return ""
+    text = f", volume differs by {identified.deviation:+.1e} from the exact one"
+    exact = identified.part.exact
+    if exact and exact.error:
+        text += f" (integrated over its splines to {exact.error / exact.volume:.0e})"
+    return text
+
+
+def _between_interfaces(identified: Identified) -> list[str]:
+    """Inertia, interfaces, compliances, frequencies and TOML table of a part with interfaces."""
     entries = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)]
     inertia = " ".join(f"{identified.inertia[entry] + 0.0:.4g}" for entry in entries)
-    lines = [
-        *(f"{identified.part.path}: {identified.part.size}", "", meshes),
-        *([accuracy.text] if accuracy else []),
-        mass,
-        f"inertia about the centre (kg m²): {inertia}  (xx yy zz xy xz yz)",
-        "",
-    ]
-    lines += [
+    interfaces = [
         f"{interface.name}: faces {', '.join(map(str, interface.faces))} at "
         f"({_coordinates(interface.point)}) m, {interface.coupling}; {interface.reason}"
         for interface in identified.interfaces
     ]
-    lines += ["", *_compliances(identified), "", *_frequencies(identified), "", toml(identified)]
-    return "\n".join(lines)
+    return [
+        f"inertia about the centre (kg m²): {inertia}  (xx yy zz xy xz yz)",
+        *("", *interfaces),
+        *("", *_compliances(identified)),
+        *("", *_frequencies(identified)),
+        *("", toml(identified)),
+    ]
 
 
 def _coordinates(point: Array) -> str:
@@ -185,37 +238,58 @@ def toml(identified: Identified) -> str:
     )
 
 
-def as_json(identified: Identified, accuracy: Accuracy | None = None) -> str:
+def as_json(part: Identified | FreePart, accuracy: Accuracy | None = None) -> str:
     """All results as JSON (schema 1), in SI units and file axes. null for an unknown number.
 
     `accuracy`: result of the refinement by --accuracy, None without this option.
     """
+    if isinstance(part, FreePart):
+        return json_text(_free_record(part, accuracy or UNSET))
+    return json_text(_identified_record(part, accuracy or UNSET))
+
+
+def _identified_record(identified: Identified, accuracy: Accuracy | UnsetType) -> IdentifiedRecord:
     arrays = {name: finite_items(values) for name, values in as_arrays(identified).items()}
-    return json_text(
-        IdentifiedRecord(
-            part=str(identified.part.path),
-            unit=identified.part.unit,
-            interfaces=[
-                InterfaceRecord(
-                    name=interface.name,
-                    faces=interface.faces,
-                    point=interface.point,
-                    coupling=interface.coupling,
-                    because=interface.reason,
-                )
-                for interface in identified.interfaces
-            ],
-            unknowns=identified.unknowns,
-            straightened=identified.straightened,
-            mass=identified.total,
-            volume_deviation=identified.deviation,
-            accuracy=accuracy or UNSET,
-            condensed_mass=arrays["mass"],
-            **{name: arrays[name] for name in _ARRAYS},
-            modes_counted=CountRecord(identified.counted, identified.counted_below),
-            uncertainty=_uncertain(arrays, "uncertainty"),
-            bracket=_uncertain(arrays, "bracket"),
-        )
+    return IdentifiedRecord(
+        part=str(identified.part.path),
+        unit=identified.part.unit,
+        interfaces=[
+            InterfaceRecord(
+                name=interface.name,
+                faces=interface.faces,
+                point=interface.point,
+                coupling=interface.coupling,
+                because=interface.reason,
+            )
+            for interface in identified.interfaces
+        ],
+        unknowns=identified.unknowns,
+        straightened=identified.straightened,
+        mass=identified.total,
+        volume_deviation=identified.deviation,
+        accuracy=accuracy,
+        condensed_mass=arrays["mass"],
+        **{name: arrays[name] for name in _ARRAYS},
+        modes_counted=CountRecord(identified.counted, identified.counted_below),
+        uncertainty=_uncertain(arrays, "uncertainty"),
+        bracket=_uncertain(arrays, "bracket"),
+    )
+
+
+def _free_record(part: FreePart, accuracy: Accuracy | UnsetType) -> FreePartRecord:
+    return FreePartRecord(
+        part=str(part.part.path),
+        unit=part.part.unit,
+        unknowns=part.unknowns,
+        straightened=part.straightened,
+        mass=part.total,
+        accuracy=accuracy,
+        rigid=part.rigid,
+        frequencies=part.frequencies,
+        centre=part.centre,
+        inertia=part.inertia,
+        modes_counted=CountRecord(part.counted, part.counted_below),
+        uncertainty={"frequency": finite_items(part.frequency_refinement)},
     )
 
 
@@ -223,14 +297,16 @@ def _uncertain(arrays: Mapping[str, Any], kind: str) -> dict[str, Any]:
     return {quantity: arrays[f"{key}_{kind}"] for quantity, key in _UNCERTAIN.items()}
 
 
-def as_arrays(identified: Identified) -> dict[str, Array]:
+def as_arrays(part: Identified | FreePart) -> dict[str, Array]:
     """Arrays for an .npz file, in SI units and the axes of the file."""
-    return {
-        **{name: getattr(identified, name) for name in ("mass", *_ARRAYS)},
-        "points": np.array([interface.point for interface in identified.interfaces]),
-        "total": np.array(identified.total),
-        "compliance_uncertainty": identified.compliance_refinement,
-        "compliance_bracket": identified.compliance_bracket,
-        "frequency_uncertainty": identified.frequency_refinement,
-        "frequency_bracket": identified.frequency_bracket,
-    }
+    if isinstance(part, FreePart):
+        arrays = {name: getattr(part, name) for name in ("frequencies", "centre", "inertia")}
+    else:
+        arrays = {name: getattr(part, name) for name in ("mass", *_ARRAYS)} | {
+            "points": np.array([interface.point for interface in part.interfaces]),
+            "compliance_uncertainty": part.compliance_refinement,
+            "compliance_bracket": part.compliance_bracket,
+            "frequency_bracket": part.frequency_bracket,
+        }
+    shared = {"total": np.array(part.total), "frequency_uncertainty": part.frequency_refinement}
+    return arrays | shared

@@ -10,7 +10,7 @@ it from above.
 
 from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -31,6 +31,7 @@ from lumped.legs import Material
 from meshes.part.interfaces import Interface
 from meshes.part.reading.read import PartFile
 from meshes.part.spread import spread_over
+from validation.parts.free_modes import FreePart, stored_values
 from validation.parts.meshes import FINEST, LEVELS, gradings, mesh_entries, part_key, part_mesh
 from validation.parts.refinement import compliance_uncertainty, refinement_uncertainty
 from validation.run.cache import CacheEntry, require_shape
@@ -259,12 +260,7 @@ def identified_entry(
         square = {"stiffness": (m, m), "mass": (m, m), "compliance": (m - 6, m - 6)}
         require_shape(arrays, **square, places=(None, 3), shares=(None,), shapes=(None, m))
         require_shape(arrays, pressed=(None,), pressures=(len(arrays["pressed"]), m))
-        names = [entry.name for entry in fields(Identified) if entry.name in arrays]
-        # numpy stores scalars as arrays without axes.
-        values: dict[str, Any] = {
-            name: arrays[name] if arrays[name].ndim else arrays[name].item() for name in names
-        }
-        values["unknowns"] = tuple(int(count) for count in arrays["unknowns"])
+        values = stored_values(Identified, arrays)
         return Identified(part=part, interfaces=tuple(interfaces), **values)
 
     return CacheEntry(
@@ -275,13 +271,15 @@ def identified_entry(
     )
 
 
-def largest_half_width(part: Identified) -> float:
+def largest_half_width(part: Identified | FreePart) -> float:
     """Largest relative half-width, due to meshes, of diagonal compliances and frequencies.
 
     Infinite if the file of the part is a mesh.
     """
-    compliances = np.diag(part.compliance_refinement) / np.diag(part.compliance)
-    half_widths = np.concatenate([compliances, part.frequency_refinement / part.frequencies])
+    half_widths = part.frequency_refinement / part.frequencies
+    if isinstance(part, Identified):
+        compliances = np.diag(part.compliance_refinement) / np.diag(part.compliance)
+        half_widths = np.concatenate([compliances, half_widths])
     return float(np.max(np.nan_to_num(np.abs(half_widths), nan=np.inf), initial=0.0))
 
 
@@ -356,7 +354,8 @@ def _identification(
         "frequencies": fine.frequencies,
         "compliance_refinement": compliance_uncertainty([part.compliance for part in on_meshes]),
         "frequency_refinement": refinement_uncertainty([part.frequencies for part in on_meshes]),
-        **_bracket(**bounds),
+        "compliance_bracket": bounds["average"].compliance - bounds["rigid"].compliance,
+        "frequency_bracket": bounds["average"].frequencies - bounds["rigid"].frequencies,
         **_count(fine),
         "unknowns": (*(count for count, _ in coarser), finest.unknowns),
         "elements": len(finest.cells),
@@ -406,10 +405,3 @@ def _count(answer: MeshAnswer) -> dict[str, Any]:
     if answer.counted is None:
         return {}
     return {"counted": answer.counted, "counted_below": answer.counted_below}
-
-
-def _bracket(rigid: MeshAnswer, average: MeshAnswer) -> dict[str, Array]:
-    return {
-        "compliance_bracket": average.compliance - rigid.compliance,
-        "frequency_bracket": average.frequencies - rigid.frequencies,
-    }

@@ -7,7 +7,7 @@ text on stdout and the requested files.
 from functools import partial
 from io import BytesIO
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, cast
 
 from lumped.errors import InputError
 from validation.console.streams import write_messages, write_results
@@ -22,6 +22,11 @@ from validation.console.typed import (
     require_writable,
     write,
 )
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from validation.run.cache import CacheEntry
 
 # Time (s) of an idle core: to read a byte, to identify a part, and per unknown of its finest mesh.
 _READING_A_BYTE, _IDENTIFYING, _EACH_UNKNOWN = 1e-5, 5.0, 2e-4
@@ -132,7 +137,7 @@ def identify(
     from validation.models.reduced_parts import found_in, shape_of  # noqa: PLC0415
     from validation.parts import identified_text, request  # noqa: PLC0415
     from validation.parts import identify as identifying  # noqa: PLC0415
-    from validation.parts.identify import Identified  # noqa: PLC0415
+    from validation.parts.free_modes import free_entry  # noqa: PLC0415
     from validation.parts.meshes import part_file  # noqa: PLC0415
     from validation.parts.sent import value_by_worker  # noqa: PLC0415
     from validation.run.cluster import requested_executor  # noqa: PLC0415
@@ -161,35 +166,30 @@ def identify(
         raise InputError(faults)
     size = identifying.DEFAULT_UNKNOWNS if unknowns is None else unknowns
     count = identifying.DEFAULT_MODES if modes is None else modes
-    if free:
-        return _identify_free(
-            part, material, unit, body, size, count, accuracy, cluster, out, json=json
-        )
-    if body is None:
-        definitions, points = request.interfaces_of(interface)
-        properties = request.material_of(material or "")
-        file = part_file(Path(part), unit)
-        interfaces = find_interfaces(file, definitions, points)
-    else:
+    if body is not None:
         shape = request.part_of(load_robot(part), body)
         (file, interfaces), properties = found_in(shape), shape_of(shape).material
+    else:
+        definitions, points = request.interfaces_of(interface) if not free else ({}, {})
+        properties = request.material_of(material or "")
+        file = part_file(Path(part), unit)
+        interfaces = () if free else find_interfaces(file, definitions, points)
+    entry_of: Callable[..., CacheEntry[Any]] = partial(free_entry, material=properties, modes=count)
+    if not free:
+        entry_of = partial(
+            identifying.identified_entry, interfaces=interfaces, material=properties, modes=count
+        )
 
     with (
         stage(f"identifying {body or part}", _IDENTIFYING + _EACH_UNKNOWN * size),
         requested_executor(cluster) as executor,
     ):
 
-        def at(size: int) -> Identified:
-            entry_of = partial(
-                identifying.identified_entry,
-                interfaces=interfaces,
-                material=properties,
-                unknowns=size,
-                modes=count,
-            )
-            return value_by_worker(executor, file, entry_of) if cluster else entry_of(file).value()
+        def at(size: int) -> Any:
+            entry = partial(entry_of, unknowns=size)
+            return value_by_worker(executor, file, entry) if cluster else entry(file).value()
 
-        identified_part, accuracy_text = refined(
+        solution, reached = refined(
             size,
             at,
             identifying.largest_half_width,
@@ -197,69 +197,9 @@ def identify(
             accuracy or np.inf,
         )
     text = identified_text.as_json if json else identified_text.as_text
-    write_results(text(identified_part, accuracy_text if accuracy else None))
-    _write_arrays(out, identified_text.as_arrays(identified_part))
-    return 0
-
-
-def _identify_free(
-    part: str,
-    material: str | None,
-    unit: LengthUnit | None,
-    body: str | None,
-    unknowns: int,
-    modes: int,
-    accuracy: float | None,
-    cluster: str | None,
-    out: Path | None,
-    *,
-    json: bool,
-) -> int:
-    """Frequencies of a part without supports, for the valid options of `identify`."""
-    import numpy as np  # noqa: PLC0415
-
-    from lumped.robot_file import load_robot  # noqa: PLC0415
-    from validation.console.progress import stage  # noqa: PLC0415
-    from validation.models.reduced_parts import found_in, shape_of  # noqa: PLC0415
-    from validation.parts import free_modes, free_text, request  # noqa: PLC0415
-    from validation.parts.identify import more_unknowns  # noqa: PLC0415
-    from validation.parts.meshes import part_file  # noqa: PLC0415
-    from validation.parts.sent import value_by_worker  # noqa: PLC0415
-    from validation.run.cluster import requested_executor  # noqa: PLC0415
-    from validation.uncertainty.refinement import refined  # noqa: PLC0415
-
-    if body is None:
-        file, properties = part_file(Path(part), unit), request.material_of(material or "")
-    else:
-        shape = request.part_of(load_robot(part), body)
-        (file, _), properties = found_in(shape), shape_of(shape).material
-
-    with (
-        stage(f"identifying {body or part}", _IDENTIFYING + _EACH_UNKNOWN * unknowns),
-        requested_executor(cluster) as executor,
-    ):
-
-        def at(size: int) -> free_modes.FreePart:
-            entry_of = partial(
-                free_modes.free_entry, material=properties, unknowns=size, modes=modes
-            )
-            return value_by_worker(executor, file, entry_of) if cluster else entry_of(file).value()
-
-        solution, reached = refined(
-            unknowns, at, free_modes.largest_half_width, more_unknowns, accuracy or np.inf
-        )
-    text = free_text.as_json if json else free_text.as_text
     write_results(text(solution, reached if accuracy else None))
-    _write_arrays(out, free_text.as_arrays(solution))
+    if out is not None:
+        buffer, arrays = BytesIO(), cast("Any", identified_text.as_arrays(solution))
+        np.savez(buffer, **arrays)
+        write(out, buffer.getvalue(), ".npz")
     return 0
-
-
-def _write_arrays(out: Path | None, arrays: Any) -> None:
-    """Write arrays by name to the .npz file `out`. Nothing is written if `out` is None."""
-    import numpy as np  # noqa: PLC0415
-
-    if out is None:
-        return
-    buffer = BytesIO()
-    np.savez(buffer, **arrays)
-    write(out, buffer.getvalue(), ".npz")
