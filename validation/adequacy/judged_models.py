@@ -30,8 +30,8 @@ class JudgedModel(NamedTuple):
 
     `kind`: formulation. `title`: description in the report. `words`: name of the model inside a
     sentence, "" if it is the name in the matrix. `static_steps` and `modal_steps`: names of the
-    steps in `STATIC_STEPS` and `DYNAMIC_STEPS` that lead from the model to the reference. Each
-    names a cause of the model's error. `plotted`: True if the model is a curve in the figures of
+    steps in `all_static_steps` and `all_modal_steps` from the model to the reference, each of which
+    removes a cause of its error. `plotted`: True if the model is a curve in the figures of
     compliances and frequencies along the path.
     """
 

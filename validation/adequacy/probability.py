@@ -51,7 +51,6 @@ _NAMED_SHARE = 0.01
 # If an error exists at ξ = 0 and is missing at |ξ| = 1, it counts as missing beyond this |ξ|: the
 # point at which it is lost is unknown, so half is assumed.
 _LOST_FROM = 0.5
-_SIDES = ("below", "above")
 # Largest |c| of g ξ/(1 + c ξ): the pole is then at least five standard uncertainties away.
 _LARGEST_BEND = 0.2
 # Number of bisections of an interval between two of 4096 points, enough to reach round-off.
@@ -175,7 +174,7 @@ class ErrorOfInputs:
 
         Shapes: R interpretations of the reference, P poses, f forces, k components.
         """
-        below, above = ([getattr(slope, side) for slope in self.slopes] for side in _SIDES)
+        below, above = zip(*((slope.below, slope.above) for slope in self.slopes), strict=True)
         return np.array(below), np.array(above)
 
     @property

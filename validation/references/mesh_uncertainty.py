@@ -24,6 +24,7 @@ from lumped.models.bodies import legs_of
 from validation.parts.meshes import LEVELS
 from validation.references.model_ladder import COMPUTED_BEAMS, SOLID, WARPING_BEAMS
 from validation.references.modes_on_path import solid_meshes
+from validation.references.reference import SourceHalfWidths
 from validation.references.reference_legs import (
     SECTION_RATIO,
     shares_section,
@@ -144,8 +145,8 @@ _MODAL_LEGS = MeshRow("mesh", _TWO_LEVELS, _modal_leg_policy)
 _MODAL_SECTIONS = MeshRow("section_mesh", _TWO_LEVELS, _modal_section_policy, _section_beams)
 
 
-def displacement_half_widths(responses: Responses, reading: Reading) -> Array:
-    """Relative half-widths of displacements due to all meshes (P×(7+L)).
+def displacement_half_widths(responses: Responses, reading: Reading) -> SourceHalfWidths:
+    """Relative half-widths of displacements (P×(7+L)) due to all meshes.
 
     P poses. The first six columns are displacements under a unit force along and a unit moment
     about each base axis. The seventh is the largest displacement under a unit force in any
@@ -167,7 +168,7 @@ def displacement_half_widths(responses: Responses, reading: Reading) -> Array:
         ]
     half_widths += _STATIC_SECTIONS.half_widths(responses, reading, solve, change)
     half_widths += _PARTS.half_widths(responses, robot.first_reading, solve, change)
-    return half_widths
+    return SourceHalfWidths(half_widths)
 
 
 def _lines_on_beams(mechanism: Mechanism, load: Load) -> float:

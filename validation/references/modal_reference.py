@@ -24,10 +24,10 @@ from validation.models.robot_models import modes_along
 from validation.parts.meshes import MIDDLE
 from validation.references.model_ladder import (
     COMPUTED_BEAMS,
+    PART_STEPS,
     SOLID,
     WARPING_BEAMS,
     formulation_modes,
-    with_parts,
 )
 from validation.references.modes_on_path import modes_of_solids, solid_meshes
 from validation.references.reference import (
@@ -37,13 +37,13 @@ from validation.references.reference import (
     Reference,
     Remedy,
     Source,
+    Step,
     Steps,
-    StepTexts,
     finer_by,
     steps_by_model,
     use,
 )
-from validation.references.reference_parts import FINER_PARTS, PART_STEPS, part_kinds
+from validation.references.reference_parts import FINER_PARTS, part_kinds
 from validation.references.responses import Model, Responses
 from validation.references.robot_on_path import Reading, RobotOnPath
 from validation.references.uncertainty_sources import MODAL_ROWS, budget
@@ -162,24 +162,56 @@ def modal_steps(
     """Intermediate models between each judged model and the modal reference.
 
     The result, `judged` and `orders` have the name of the judged model as key. Each intermediate
-    model removes one cause of error. `orders`: names of the steps in `DYNAMIC_STEPS`, from the
+    model removes one cause of error. `orders`: names of the steps in `all_modal_steps`, from the
     judged model to the reference.
     """
-    beam, parts = judged["beam"], robot.mechanism.parts
-    models = {
-        "drives": beam,
-        "shear of segments": judged["segments"],
-        "shear of beams": beam,
-        # Second order in 1/n: a quarter of the error remains.
-        "twice as many": Model("twice as many segments", modes=_on_twice_as_many),
-        "beams": beam,
-    }
-    models |= {kind: with_parts(kind) for kind in part_kinds(robot.mechanism)}
-    if parts:
-        models["modes inside"] = Model("solids on a coarser mesh", modes=_on_middle_mesh)
+    applicable = {*_OF_BEAMS, *part_kinds(robot.mechanism)}
+    if robot.mechanism.parts:
+        applicable.add("modes inside")
     if robot.prisms and not robot.given:
-        models |= {"own": COMPUTED_BEAMS, "warping": WARPING_BEAMS}
-    return steps_by_model(orders, DYNAMIC_STEPS, models)
+        applicable |= set(MODES_TO_SOLIDS)
+    return steps_by_model(orders, all_modal_steps(judged["beam"], judged["segments"]), applicable)
+
+
+def all_modal_steps(beam: Model, segments: Model) -> dict[str, Step]:
+    """Steps from all judged models to the modal reference, by name, with these judged models."""
+    more_segments = f"increase the number of segments: --elements {2 * ELEMENTS}"
+    return {
+        "drives": Step(
+            "elastic drives only, legs rigid and massless", "beam elements", beam, use("beam")
+        ),
+        "shear of segments": Step(_SHEAR, "Timoshenko segments", segments, TIMOSHENKO),
+        "shear of beams": Step(_SHEAR, "Timoshenko beams", beam, TIMOSHENKO),
+        # Second order in 1/n: a quarter of the error remains.
+        "twice as many": Step(
+            _DISCRETE,
+            f"{2 * ELEMENTS} segments, then beam elements",
+            Model("twice as many segments", modes=_on_twice_as_many),
+            Remedy(more_segments, "--elements"),
+        ),
+        "beams": Step(
+            _DISCRETE, "beam elements with the same section constants", beam, use("beam")
+        ),
+        **PART_STEPS,
+        # Step from condensed parts with Guyan's mass to parts with interior modes.
+        "modes inside": Step(
+            "internal inertia of the parts (Guyan's mass matrix)",
+            "parts reduced by Craig and Bampton on the medium mesh",
+            Model("solids on a coarser mesh", modes=_on_middle_mesh),
+        ),
+        # Steps from textbook section constants to computed ones, then to restrained warping if ends
+        # are rigid.
+        "own": Step(
+            "section constants by textbook formulas",
+            "fem.sections.section_constants, beam elements",
+            COMPUTED_BEAMS,
+        ),
+        "warping": Step(
+            "restrained warping at the ends (non-uniform torsion)",
+            "beams with Reissner's torsion and the warping constant Γ of the section",
+            WARPING_BEAMS,
+        ),
+    }
 
 
 def _on_twice_as_many(robot: RobotOnPath, reading: Reading) -> PathModes | None:
@@ -200,37 +232,9 @@ def _on_middle_mesh(robot: RobotOnPath, _: Reading) -> PathModes:
 
 _SHEAR = "shear deformation and rotary inertia neglected"
 _DISCRETE = f"discretisation (n = {ELEMENTS})"
-DYNAMIC_STEPS: Mapping[str, StepTexts] = {
-    "drives": StepTexts(
-        "elastic drives only, legs rigid and massless", "beam elements", use("beam")
-    ),
-    "shear of segments": StepTexts(_SHEAR, "Timoshenko segments", TIMOSHENKO),
-    "shear of beams": StepTexts(_SHEAR, "Timoshenko beams", TIMOSHENKO),
-    "twice as many": StepTexts(
-        _DISCRETE,
-        f"{2 * ELEMENTS} segments, then beam elements",
-        Remedy(f"increase the number of segments: --elements {2 * ELEMENTS}", "--elements"),
-    ),
-    "beams": StepTexts(_DISCRETE, "beam elements with the same section constants", use("beam")),
-    **PART_STEPS,
-    # Step from condensed parts with Guyan's mass to parts with interior modes.
-    "modes inside": StepTexts(
-        "internal inertia of the parts (Guyan's mass matrix)",
-        "parts reduced by Craig and Bampton on the medium mesh",
-    ),
-    # Steps from textbook section constants to computed ones, then to restrained warping if ends are
-    # rigid.
-    "own": StepTexts(
-        "section constants by textbook formulas",
-        "fem.sections.section_constants, beam elements",
-    ),
-    "warping": StepTexts(
-        "restrained warping at the ends (non-uniform torsion)",
-        "beams with Reissner's torsion and the warping constant Γ of the section",
-    ),
-}
-# Names of steps in `DYNAMIC_STEPS`: from textbook section constants to solids, from beams and from
-# segments to solids.
+_OF_BEAMS = ("drives", "shear of segments", "shear of beams", "twice as many", "beams")
+# Names of steps in `all_modal_steps`: from textbook section constants to solids, from beams and
+# from segments to solids.
 MODES_TO_SOLIDS = ("own", "warping")
 MODES_FROM_BEAMS = (*PART_STEPS, *MODES_TO_SOLIDS)
 MODES_FROM_SEGMENTS = ("twice as many", "beams", *MODES_FROM_BEAMS)

@@ -8,7 +8,7 @@ compliances are summed along them (virtual joint method), by code that is indepe
 assembler of the reference; otherwise the legs are assembled as links.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import TypeAlias
@@ -21,6 +21,7 @@ from lumped.legs import Leg, given_compliance
 from lumped.mechanism.mechanism import Posture
 from lumped.model_choices import Ends, PartLegs
 from lumped.models import serial_chains
+from validation.context import Context
 from validation.models.loads.displacements import (
     by_chains,
     displacements,
@@ -31,12 +32,12 @@ from validation.models.options import ModelName, ModelOptions
 from validation.models.robot_models import answers
 from validation.references.modes_on_path import (
     COMPUTED_SECTIONS,
-    LegMesh,
+    computed_beam_vibration,
     modes_by_model,
-    modes_of_computed_beams,
     modes_of_solids,
     solid_meshes,
 )
+from validation.references.reference import Remedy, Step
 from validation.references.reference_legs import (
     SECTION_DIVISIONS,
     computed_spring,
@@ -48,12 +49,12 @@ from validation.references.reference_legs import (
 )
 from validation.references.reference_parts import assembled, solid_parts
 from validation.references.responses import Model
-from validation.references.robot_on_path import Reading, RobotOnPath, Springs
+from validation.references.robot_on_path import Holds, Reading, RobotOnPath, Springs
 from validation.responses.statics_and_modes import PathModes, Statics
 from validation.solids.leg_meshes import COARSEST_WALLS
 
 # Function that returns the 6×6 tip compliance (SI, leg axes) of a leg with the given end condition.
-Spring: TypeAlias = Callable[[RobotOnPath, Leg, Ends], Array]
+Spring: TypeAlias = Callable[[Context, Leg, Ends], Array]
 
 
 def model_statics(postures: Sequence[Posture], model: ModelName, options: ModelOptions) -> Statics:
@@ -142,7 +143,7 @@ def _spring_statics(spring: Spring, robot: RobotOnPath, reading: Reading) -> Sta
     # `reading.ends` is empty if the model does not depend on end conditions; "rigid" then has no
     # effect.
     ends = reading.ends or dict.fromkeys(robot.legs, "rigid")
-    springs = {body: spring(robot, leg, ends[body]) for body, leg in robot.legs.items()}
+    springs = {body: spring(robot.context, leg, ends[body]) for body, leg in robot.legs.items()}
     return _by_springs(robot, springs)
 
 
@@ -160,43 +161,39 @@ def _summed(postures: Sequence[Posture], springs: Springs) -> Statics:
     return Statics(compliances, displacements_by(by_chains(springs), postures, bodies))
 
 
-def _given(_robot: RobotOnPath, leg: Leg, _ends: Ends) -> Array:
+def _given(_context: Context, leg: Leg, _ends: Ends) -> Array:
     return given_compliance(leg)
 
 
-def _equivalent(_robot: RobotOnPath, leg: Leg, _ends: Ends) -> Array:
+def _equivalent(_context: Context, leg: Leg, _ends: Ends) -> Array:
     return given_compliance(equivalent_leg(leg))
 
 
-def _straight(_robot: RobotOnPath, leg: Leg, _ends: Ends) -> Array:
+def _straight(_context: Context, leg: Leg, _ends: Ends) -> Array:
     return straight_spring(leg)
 
 
-def _warping(robot: RobotOnPath, leg: Leg, ends: Ends) -> Array:
-    return warping_spring(robot.context, leg, ends)
-
-
-def _restrained(robot: RobotOnPath, leg: Leg, ends: Ends) -> Array:
-    return restrained_spring(robot.context, leg, ends)
-
-
 def _computed_modes(robot: RobotOnPath, reading: Reading) -> PathModes:
-    return modes_of_computed_beams(robot, None, _section_mesh(robot, reading))
+    return _beam_modes(robot, None, reading)
 
 
 def _warping_modes(robot: RobotOnPath, reading: Reading) -> PathModes:
-    return modes_of_computed_beams(robot, reading.ends, _section_mesh(robot, reading))
+    return _beam_modes(robot, reading.ends, reading)
 
 
-def _section_mesh(robot: RobotOnPath, reading: Reading) -> LegMesh:
-    """Mesh for section constants, selected by `reading.section_mesh`.
+def _beam_modes(robot: RobotOnPath, ends: Holds | None, reading: Reading) -> PathModes:
+    """Modes by beams whose section constants are computed on the mesh `reading.section_mesh`.
 
-    1 is the fine section mesh, 0 the section mesh of the reference's solids.
+    1 is the fine section mesh, 0 the section mesh of the reference's solids. `ends`: end condition
+    by body name; warping is restrained at rigid ends. If `ends` is None, warping is free.
     """
-    if reading.section_mesh:
-        return COMPUTED_SECTIONS
-    fine = solid_meshes(robot.context.meshes).fine
-    return fine._replace(walls=max(fine.walls, COARSEST_WALLS))
+    mesh = COMPUTED_SECTIONS
+    if not reading.section_mesh:
+        fine = solid_meshes(robot.context.meshes).fine
+        mesh = fine._replace(walls=max(fine.walls, COARSEST_WALLS))
+    return robot.context.get(
+        computed_beam_vibration, robot.postures, mesh, ends, robot.computed_count
+    )
 
 
 # Beams with computed section constants: first free to warp at their ends, then with warping
@@ -210,7 +207,7 @@ COMPUTED_BEAMS = Model(
 )
 WARPING_BEAMS = Model(
     "restrained warping",
-    statics=partial(_spring_statics, _warping),
+    statics=partial(_spring_statics, warping_spring),
     modes=_warping_modes,
     static_fields=("ends",),
     modal_fields=("ends", "section_mesh"),
@@ -227,10 +224,27 @@ SOLID = Model(
 )
 # Beams with computed section constants, stiffened by rigid end faces that hinder contraction.
 RESTRAINED = Model(
-    "restrained contraction", statics=partial(_spring_statics, _restrained), static_fields=("ends",)
+    "restrained contraction",
+    statics=partial(_spring_statics, restrained_spring),
+    static_fields=("ends",),
 )
 # Three models with one tip compliance per leg: the 6×6 of the file; this 6×6 with only the entries
 # that a straight prismatic leg has; the 6×6 of the equivalent prism.
 GIVEN = Model("specified legs", statics=partial(_spring_statics, _given))
 STRAIGHT = Model("straight legs", statics=partial(_spring_statics, _straight))
 EQUIVALENT = Model("equivalent legs", statics=partial(_spring_statics, _equivalent))
+# Steps that remove the errors of parts modelled as equivalent legs, in order.
+PART_STEPS: Mapping[str, Step] = {
+    "stepped": Step(
+        "part replaced by a leg of one constant section",
+        "ten prismatic beam pieces with the sections of the part",
+        with_parts("stepped"),
+        Remedy("divide the parts into prismatic pieces: --parts stepped", "--parts"),
+    ),
+    "condensed": Step(
+        "part replaced by prismatic beam pieces",
+        "part condensed to its interfaces",
+        with_parts("condensed"),
+        Remedy("condense the parts to their interfaces: --parts condensed", "--parts"),
+    ),
+}

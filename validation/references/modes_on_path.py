@@ -112,19 +112,6 @@ def modes_of_solids(robot: RobotOnPath, reading: Reading) -> PathModes:
     return robot.context.get(solid_vibration, robot.postures, reading, mesh, robot.computed_count)
 
 
-def modes_of_computed_beams(
-    robot: RobotOnPath, ends: Holds | None, mesh: LegMesh = COMPUTED_SECTIONS
-) -> PathModes:
-    """Modes by beams whose section constants are computed on `mesh`.
-
-    `ends`: end condition by body name; warping is restrained at rigid ends. If `ends` is None,
-    warping is free at all ends.
-    """
-    return robot.context.get(
-        computed_beam_vibration, robot.postures, mesh, ends, robot.computed_count
-    )
-
-
 def vibration_of(samples: Samples, posture_modes: Iterable[PostureModes], count: int) -> PathModes:
     """Record of `count` modes in all postures, from the modes of each posture.
 

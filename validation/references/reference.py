@@ -6,10 +6,10 @@ the robot file leaves possible. Each interpretation has a `Budget`: half-widths 
 combines all of this for one robot, which `validation.adequacy` then judges.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
-from typing import NamedTuple, TypeAlias
+from typing import TypeAlias
 
 import numpy as np
 
@@ -69,10 +69,6 @@ class Remedy:
     text: str
     option: str = ""
     model: str = ""
-
-    def formatted(self, **words: str) -> "Remedy":
-        """Remedy with the placeholders in braces replaced by `words`."""
-        return Remedy(self.text.format(**words), self.option, self.model.format(**words))
 
 
 def use(model: str, how: str = "", option: str = "") -> Remedy:
@@ -215,46 +211,21 @@ class Step:
     remedy: Remedy | None = None
 
 
-class StepTexts(NamedTuple):
-    """Texts of a `Step`, with the same fields.
-
-    Placeholders in braces are replaced by words that depend on the robot.
-    """
-
-    cause: str
-    source: str
-    remedy: Remedy | None = None
-
-
 # Steps of each judged model, by its name.
 Steps: TypeAlias = dict[str, Sequence[Step]]
 
 
 def steps_by_model(
-    orders: Mapping[str, Sequence[str]],
-    texts: Mapping[str, StepTexts],
-    models: Mapping[str, Model],
-    **words: str,
+    orders: Mapping[str, Sequence[str]], steps: Mapping[str, Step], applicable: Collection[str]
 ) -> Steps:
     """Steps that remove the errors of a model one by one, in order from the model to the reference.
 
     `orders` has the names of models on which verdicts are given, and for each of them the names of
-    its steps. `texts` and `models` have the names of steps: the texts of the step, and the model in
-    which the error is removed. A step without an entry in `models` is omitted. `words` replace the
-    placeholders in the `texts`. Keys of the result are those of `orders`.
+    its steps. `steps` are all steps by name, of which those named in `applicable` exist for the
+    robot. Keys of the result are those of `orders`.
     """
-    steps = {
-        name: Step(
-            texts[name].cause.format(**words),
-            texts[name].source.format(**words),
-            model,
-            remedy and remedy.formatted(**words),
-        )
-        for name, model in models.items()
-        for remedy in [texts[name].remedy]
-    }
     return {
-        judged: tuple(steps[name] for name in names if name in steps)
+        judged: tuple(steps[name] for name in names if name in applicable)
         for judged, names in orders.items()
     }
 

@@ -28,7 +28,6 @@ from validation.models.robot_models import highest_frequency
 from validation.models.stepped_parts import why_not_stepped
 from validation.parts.meshes import FINEST
 from validation.parts.refinement import TETRAHEDRA
-from validation.references.reference import Remedy, StepTexts
 from validation.references.robot_on_path import Springs
 from validation.responses.statics_and_modes import Statics
 from validation.uncertainty.half_widths import MeshPolicy
@@ -39,19 +38,6 @@ _FEWEST = 8
 UNKNOWN = 1.0
 # Names --accuracy, since no preset has finer meshes of parts.
 FINER_PARTS = "undecided because of the mesh uncertainty of the parts; refine with --accuracy 0.002"
-# Steps that remove the errors of parts modelled as equivalent legs, in order.
-PART_STEPS: Mapping[str, StepTexts] = {
-    "stepped": StepTexts(
-        "part replaced by a leg of one constant section",
-        "ten prismatic beam pieces with the sections of the part",
-        Remedy("divide the parts into prismatic pieces: --parts stepped", "--parts"),
-    ),
-    "condensed": StepTexts(
-        "part replaced by prismatic beam pieces",
-        "part condensed to its interfaces",
-        Remedy("condense the parts to their interfaces: --parts condensed", "--parts"),
-    ),
-}
 
 
 def solid_parts(
@@ -168,7 +154,7 @@ def assembled(
 
 
 def part_kinds(mechanism: Mechanism) -> tuple[PartLegs, ...]:
-    """Idealisations of CAD parts between beam and solid, in the order of `PART_STEPS`.
+    """Idealisations of CAD parts between beam and solid, in the order of `model_ladder.PART_STEPS`.
 
     Empty if there are no parts. Only "condensed" if a part cannot be represented by prismatic
     pieces.

@@ -13,6 +13,7 @@ from validation.references.model_ladder import (
     COMPUTED_BEAMS,
     EQUIVALENT,
     GIVEN,
+    PART_STEPS,
     RESTRAINED,
     SOLID,
     STRAIGHT,
@@ -24,14 +25,14 @@ from validation.references.reference import (
     USE_SOLID,
     Interpretation,
     Reference,
+    Step,
     Steps,
-    StepTexts,
     steps_by_model,
     use,
 )
 from validation.references.reference_legs import finer_statics, solid_leg
-from validation.references.reference_parts import FINER_PARTS, PART_STEPS, part_kinds
-from validation.references.responses import Responses
+from validation.references.reference_parts import FINER_PARTS, part_kinds
+from validation.references.responses import Model, Responses
 from validation.references.robot_on_path import Reading, RobotOnPath
 from validation.references.uncertainty_sources import STATIC_ROWS, budget
 
@@ -92,59 +93,71 @@ def static_steps(robot: RobotOnPath, orders: Mapping[str, Sequence[str]]) -> Ste
     """Intermediate models between each judged model and the static reference.
 
     The result and `orders` have the name of the judged model as key. Each intermediate model
-    removes one cause of error. `orders`: names of the steps in `STATIC_STEPS`, from the judged
+    removes one cause of error. `orders`: names of the steps in `all_static_steps`, from the judged
     model to the reference.
     """
     parts = robot.mechanism.parts
-    equivalent = with_parts("equivalent") if parts else EQUIVALENT
-    models = {"drives": GIVEN, "shear": equivalent}
+    steps = all_static_steps(robot.static_model, with_parts("equivalent") if parts else EQUIVALENT)
+    applicable = {"drives", "shear", *part_kinds(robot.mechanism)}
     if robot.given:
-        models |= {"diagonal": STRAIGHT, "couplings": GIVEN}
-    models |= {kind: with_parts(kind) for kind in part_kinds(robot.mechanism)}
+        applicable |= {"diagonal", "couplings"}
     if robot.prisms:
-        models |= {"own": COMPUTED_BEAMS, "warping": WARPING_BEAMS, "contraction": RESTRAINED}
-    return steps_by_model(
-        orders, STATIC_STEPS, models, by=_BY[robot.static_model], static_model=robot.static_model
-    )
+        applicable |= set(TO_SOLIDS)
+    return steps_by_model(orders, steps, applicable)
 
 
-STATIC_STEPS: Mapping[str, StepTexts] = {
-    "drives": StepTexts(
-        "elastic drives only, bodies and joints rigid",
-        "{by}the specified legs",
-        use("{static_model}"),
-    ),
-    "shear": StepTexts(
-        "shear deformation neglected",
-        "{by}Timoshenko's cantilever",
-        TIMOSHENKO,
-    ),
-    # Steps from the equivalent prism to the 6×6 from which it was made, then steps of CAD parts.
-    "diagonal": StepTexts(
-        "equivalent leg, whose diagonal of the compliance differs from the 6×6 compliance",
-        "{by}the straight leg's entries of the 6×6 compliance",
-    ),
-    "couplings": StepTexts(
-        "equivalent leg, which lacks couplings of the 6×6 compliance",
-        "{by}the specified 6×6 compliance",
-        use("{static_model}", " with the specified 6×6 compliance: --legs given", "--legs"),
-    ),
-    **PART_STEPS,
-    # Last steps: from textbook section constants to solids with rigid end faces.
-    "own": StepTexts(
-        "section constants by textbook formulas",
-        "fem.sections.section_constants, tip of the cantilever",
-    ),
-    "warping": StepTexts(
-        "restrained warping at the ends",
-        "Reissner's torsion with restrained ends and the warping constant Γ of the section",
-    ),
-    "contraction": StepTexts(
-        "restrained contraction and shear warping at the ends",
-        "fem.couplings.end_effects, exact along the leg",
-    ),
-}
-# Names of steps in `STATIC_STEPS`: from textbook section constants to solids, and from the
+def all_static_steps(static_model: str, equivalent: Model) -> dict[str, Step]:
+    """Steps from all judged models to the static reference, by name.
+
+    `static_model` is the model that the intermediate models use, and `equivalent` the one with
+    equivalent legs of constant section.
+    """
+    by = _BY[static_model]
+    given = use(static_model, " with the specified 6×6 compliance: --legs given", "--legs")
+    return {
+        "drives": Step(
+            "elastic drives only, bodies and joints rigid",
+            f"{by}the specified legs",
+            GIVEN,
+            use(static_model),
+        ),
+        "shear": Step(
+            "shear deformation neglected", f"{by}Timoshenko's cantilever", equivalent, TIMOSHENKO
+        ),
+        # Steps from the equivalent prism to the 6×6 from which it was made, then steps of CAD
+        # parts.
+        "diagonal": Step(
+            "equivalent leg, whose diagonal of the compliance differs from the 6×6 compliance",
+            f"{by}the straight leg's entries of the 6×6 compliance",
+            STRAIGHT,
+        ),
+        "couplings": Step(
+            "equivalent leg, which lacks couplings of the 6×6 compliance",
+            f"{by}the specified 6×6 compliance",
+            GIVEN,
+            given,
+        ),
+        **PART_STEPS,
+        # Last steps: from textbook section constants to solids with rigid end faces.
+        "own": Step(
+            "section constants by textbook formulas",
+            "fem.sections.section_constants, tip of the cantilever",
+            COMPUTED_BEAMS,
+        ),
+        "warping": Step(
+            "restrained warping at the ends",
+            "Reissner's torsion with restrained ends and the warping constant Γ of the section",
+            WARPING_BEAMS,
+        ),
+        "contraction": Step(
+            "restrained contraction and shear warping at the ends",
+            "fem.couplings.end_effects, exact along the leg",
+            RESTRAINED,
+        ),
+    }
+
+
+# Names of steps in `all_static_steps`: from textbook section constants to solids, and from the
 # equivalent prism to solids.
 TO_SOLIDS = ("own", "warping", "contraction")
 FROM_CONSTANT = ("diagonal", "couplings", *PART_STEPS, *TO_SOLIDS)

@@ -94,7 +94,7 @@ class Perturbations:
         half_widths = half_widths_by(
             reading,
             self.readings(responses.robot, reading),
-            lambda perturbed: _flattened_statics(solve(perturbed)),
+            lambda perturbed: _stacked(solve(perturbed)),
             partial(_sizes, solve(reading)),
             self.combiner,
         )
@@ -107,35 +107,23 @@ def budget(rows: Sequence[SourceRow], responses: Responses, reading: Reading) ->
     return {row.source: row.half_widths(responses, reading) for row in rows if row.applies(robot)}
 
 
-def _flattened_statics(statics: Statics) -> Array:
-    """All compliances and load displacements in one matrix (P×k): k numbers in each of P poses."""
-    poses = len(statics.compliances)
-    return np.hstack(
-        [
-            numbers.reshape(poses, -1)
-            for numbers in (statics.compliances, statics.load_displacements)
-        ]
-    )
+def _stacked(statics: Statics) -> Array:
+    """All compliances, then the displacements under L loads, in one array (P×(6+L)×6)."""
+    return np.concatenate([statics.compliances, statics.load_displacements], axis=1)
 
 
 def _sizes(unperturbed: Statics, changes: Array) -> Array:
     """Magnitudes (n×P×(7+L)) of n changes relative to the unperturbed displacements.
 
-    `changes` (n×P×k) are changes of the k numbers of `_flattened_statics` in P poses. The result is
-    for 7 unit loads and L loads of the robot file. It is zero if the robot is rigid under the load,
-    since no relative change exists then.
+    `changes` (n×P×(6+L)×6) are changes of the arrays of `_stacked` in P poses. The result is for 7
+    unit loads and L loads of the robot file. It is zero if the robot is rigid under the load, since
+    no relative change exists then.
     """
-    count, poses, _ = changes.shape
-    loads = unperturbed.load_displacements.shape[1]
-    compliances, load_displacements = np.split(changes, [36], axis=2)
+    count, poses = changes.shape[:2]
     # All n changes in all P poses are treated as n·P poses of one record.
-    changed = Statics(
-        compliances.reshape(count * poses, 6, 6),
-        load_displacements.reshape(count * poses, loads, 6),
-    )
-    repeated = Statics(
-        np.tile(unperturbed.compliances, (count, 1, 1)),
-        np.tile(unperturbed.load_displacements, (count, 1, 1)),
+    changed, repeated = (
+        Statics(rows[:, :6], rows[:, 6:])
+        for rows in (np.concatenate(changes), np.tile(_stacked(unperturbed), (count, 1, 1)))
     )
     relative_sizes = sizes(changed, repeated).reshape(count, poses, -1)
     return np.where(np.isfinite(relative_sizes), relative_sizes, 0.0)
@@ -163,21 +151,17 @@ def _plausible_mass_readings(robot: RobotOnPath, reading: Reading) -> Perturbed:
     ]
 
 
-def _links(robot: RobotOnPath, _: Reading) -> Statics:
-    """Statics with legs represented by their 6×6 compliance, and condensed CAD parts.
-
-    They are computed once per run and process.
-    """
-    return robot.context.get(_linked, robot.postures)
-
-
 def _linked(postures: tuple[Posture, ...]) -> Statics:
+    """Statics with legs represented by their 6×6 compliance, and condensed CAD parts."""
     return assembled(postures, tip_compliances(postures[0].mechanism))
 
 
 # Each printed number is off by up to half a unit of its last digit, independently of the others.
 STATIC_DIGITS = Perturbations(
-    Model("links", statics=_links), rounded_readings, Combiner.PROBABILITY
+    # Computed once per run and process.
+    Model("links", statics=lambda robot, _: robot.context.get(_linked, robot.postures)),
+    rounded_readings,
+    Combiner.PROBABILITY,
 )
 # Displacements under a load on masses are linear in the positions of mass, so the convex hull of
 # the plausible distributions contains all others.
@@ -197,16 +181,8 @@ def _linearity(responses: Responses, _: Reading) -> SourceHalfWidths:
         failure_reason("stability under loads", error)
         half_widths = np.ones((len(robot.postures), len(robot.mechanism.loads)))
     else:
-        extra = np.array(
-            [
-                [
-                    abs(load_stability.extra_displacement) if load_stability else 0.0
-                    for load_stability in row
-                ]
-                for row in stability
-            ]
-        )
-        half_widths = np.nan_to_num(extra, nan=1.0)
+        extra = [[load.extra_displacement if load else 0.0 for load in row] for row in stability]
+        half_widths = np.nan_to_num(np.abs(extra), nan=1.0)
     half_widths[half_widths < _LINEAR] = 0.0
     return SourceHalfWidths(np.pad(half_widths, ((0, 0), (len(UNIT_LOADS), 0))))
 
@@ -272,10 +248,6 @@ def _energies(matrix: Array | SparseMatrix, shapes: Array) -> Array:
     return np.asarray(np.sum(shapes * (matrix @ shapes), axis=0))
 
 
-def _displacement_meshes(responses: Responses, reading: Reading) -> SourceHalfWidths:
-    return SourceHalfWidths(displacement_half_widths(responses, reading))
-
-
 def _modal_meshes(responses: Responses, reading: Reading) -> SourceHalfWidths:
     """Half-widths of frequencies and harmonic responses due to meshes."""
     frequencies = frequency_half_widths(responses, reading)
@@ -284,7 +256,7 @@ def _modal_meshes(responses: Responses, reading: Reading) -> SourceHalfWidths:
         return SourceHalfWidths(frequencies=frequencies)
     return SourceHalfWidths(
         frequencies=frequencies,
-        peaks=response_half_widths(responses, reading, _peaks),
+        peaks=response_half_widths(responses, reading, lambda modes: modes.peaks),
         receptances=[
             response_half_widths(responses, reading, partial(_receptance_sizes, number))
             for number in range(len(excitations))
@@ -300,10 +272,6 @@ def _modal_digits(responses: Responses, reading: Reading) -> SourceHalfWidths:
         return SourceHalfWidths(frequencies=digits)
     peaks, receptances = _response_digit_half_widths(robot, fine, digits)
     return SourceHalfWidths(frequencies=digits, peaks=peaks, receptances=receptances)
-
-
-def _peaks(modes: PathModes) -> Array:
-    return modes.peaks
 
 
 def _receptance_sizes(excitation: int, modes: PathModes) -> Array:
@@ -390,7 +358,7 @@ def _loads_given_masses(robot: RobotOnPath) -> bool:
 
 # The total half-width is the linear sum over the rows.
 STATIC_ROWS = (
-    SourceRow(Source.MESHES, lambda _: True, _displacement_meshes),
+    SourceRow(Source.MESHES, lambda _: True, displacement_half_widths),
     SourceRow(Source.DIGITS, _is_rounded, STATIC_DIGITS),
     SourceRow(Source.LINEARITY, lambda robot: bool(robot.mechanism.loads), _linearity),
     SourceRow(Source.MASSES, _loads_given_masses, _MASSES),

@@ -20,9 +20,8 @@ from validation.adequacy.judgement import verdict_matrix
 from validation.adequacy.probability import ErrorOfInputs, Slope, probability
 from validation.adequacy.robot_verdicts import robot_subject
 from validation.context import Context
-from validation.references.perturbations import perturbed_robot
 from validation.references.reference import InputUncertainties, Reference
-from validation.references.responses import Model, Responses
+from validation.references.responses import Model, Responses, perturbed_robot
 
 pytestmark = pytest.mark.usefixtures("coarse_legs")
 

@@ -30,7 +30,8 @@ from validation.adequacy.robot_verdicts import finer_context, leg_subject, robot
 from validation.context import Context
 from validation.models.options import MODELS
 from validation.references import model_ladder, modes_on_path
-from validation.references.modal_reference import DYNAMIC_STEPS
+from validation.references.modal_reference import all_modal_steps
+from validation.references.model_ladder import EQUIVALENT
 from validation.references.reference import (
     NOT_FINER,
     USE_SOLID,
@@ -41,7 +42,7 @@ from validation.references.reference import (
 from validation.references.reference_parts import FINER_PARTS
 from validation.references.responses import Responses
 from validation.references.robot_on_path import holding, robot_at
-from validation.references.static_reference import STATIC_STEPS
+from validation.references.static_reference import all_static_steps
 from validation.responses.statics_and_modes import Statics
 from validation.solids.leg_meshes import COARSEST_WALLS
 from validation.solids.solid_size import larger_preset
@@ -228,12 +229,11 @@ def test_too_large_refined_reference_is_refused(tmp_path, preset, length, refuse
         assert finer_context(context, 2.0).meshes == "fine"
 
 
-STEPS = (*STATIC_STEPS.values(), *DYNAMIC_STEPS.values())
-REMEDIES = {
-    remedy.formatted(static_model=static_model)
-    for remedy in (USE_SOLID, *(step.remedy for step in STEPS if step.remedy))
-    for static_model in ("vjm", "links")
-}
+STEPS = (
+    *(step for name in ("vjm", "links") for step in all_static_steps(name, EQUIVALENT).values()),
+    *all_modal_steps(EQUIVALENT, EQUIVALENT).values(),
+)
+REMEDIES = {USE_SOLID, *(step.remedy for step in STEPS if step.remedy)}
 FINER = larger_preset("quick", lambda preset: preset == "fine")
 
 
