@@ -13,7 +13,6 @@ from validation.adequacy.robot_verdicts import robot_adequacy
 from validation.cases import cases
 from validation.comparisons import (
     convergence_cases,
-    convergence_figure,
     mesh_cases,
     part_models_vs_solid,
 )
@@ -60,7 +59,7 @@ def catalogue(robot_file: RobotFile, variations: Sequence[Variation] = ()) -> Se
         *([_MEASURED] if robot_file.measured else []),
         _ADEQUACY,
         *pictures.portraits(),
-        *convergence_figure.figures(),
+        *convergence_cases.figures(),
         *curves.figures(),
         *(maps() if directions(mechanism) else ()),
         *pictures.figures(),

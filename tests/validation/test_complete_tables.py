@@ -15,7 +15,7 @@ from lumped.acceptance import quantities
 from lumped.acceptance.requirement import MODEL_KINDS
 from lumped.robot_file import load_robot
 from validation.adequacy.judged_models import JUDGED, JudgedModel, judged_model
-from validation.comparisons.convergence_text import SeriesRecord
+from validation.comparisons.convergence_series import SeriesRecord
 from validation.comparisons.discretisations import PARAMETERS, Discretisation
 from validation.context import Context
 from validation.export.command import FORMATS, Kind

@@ -5,11 +5,11 @@ model with a solid. They declare one case for each model and motion of the tip o
 each model and mode. The names of the causes of a difference are defined here for all cases.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import Unpack
 
 from lumped.acceptance.quantities import AXIS_LABELS, DIAGONAL_UNITS
-from validation.case import Relative
+from validation.case import Allowance, Relative
 from validation.case_group import CaseFields, CaseGroup, Compute, Over, numbered
 from validation.comparisons.element_convergence import MODES
 from validation.models.options import OF_ELEMENTS, STATIC, ModelName
@@ -89,6 +89,22 @@ def frequency_cases(
         f"{heading}: f{{mode}} by {{model}} equals {solid}",
         over={"model": DYNAMIC_MODELS, "index, mode": numbered(MODES)},
         **common,
+    )
+
+
+def formula_allowance(
+    theory: float, computed: float, band: Iterable[float], half_width: float
+) -> Allowance:
+    """Allowance for section constants by formula, at most the known error of correct formulas.
+
+    `theory` is the result of the beam with constants by formula, `computed` that with constants by
+    finite elements, of this `half_width`. `band`: results of the softest and the stiffest beam that
+    correct formulas allow, in any order. Without this bound, any error of the beam's own constants
+    would be explained.
+    """
+    first, second = (float(bound - computed) for bound in band)
+    return Allowance(
+        FORMULA, limited(float(theory - computed), (first, second), half_width), FORMULA_SOURCE
     )
 
 

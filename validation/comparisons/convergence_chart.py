@@ -1,19 +1,21 @@
 """Chart of the relative error over the elements per leg, on logarithmic axes.
 
-Input: error curves of formulations, by quantity and subject. Output: a `Chart` with one panel for
-each quantity of a subject, and its data as a table.
+Input: convergence series of formulations, by quantity and subject. Output: a `Chart` with one panel
+for each quantity of a subject, and its data as a table.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
 
-from lumped.acceptance.requirement import DEFAULT_LIMITS, AgreementLimits
+from lumped.acceptance.requirement import AgreementLimits
 from lumped.arrays import Array
+from validation.comparisons.convergence_series import ConvergenceSeries
 from validation.drawing.chart import Chart, Column, Note, Panel, Series, refined
 from validation.drawing.text import number
+from validation.uncertainty.grid_convergence import COARSE_COUNT
 
 # Errors (%) below this are round-off and are not drawn.
 _LOWEST = 1e-7
@@ -21,49 +23,55 @@ _LOWEST = 1e-7
 # differ by less than the factor _NEAR.
 _NEAR, _LINE = 3.0, 9.0
 _LABELLED = (1, 2, 5, 20, 80)
-
-
-@dataclass(frozen=True, eq=False)
-class ErrorCurve:
-    """Relative `errors` (n) of one formulation over element counts (n).
-
-    `name`: the formulation. `label`: its entry in the legend. `remark`: text at the end of the
-    curve. `look`: key of `validation.drawing.style.LOOKS`. A curve with `drawn` false is in the
-    table of data only. If `stated`, the error at the element count of table [agree] is written
-    beside the curve.
-    """
-
-    name: str
-    label: str
-    counts: Array
-    errors: Array
-    remark: str
-    look: str
-    drawn: bool = True
-    stated: bool = True
+# Smallest ratio of errors that is visible in a figure over eight decades.
+_VISIBLE = 1.5
+# Relative errors too small to be visible in the figure.
+_NEARLY_EXACT = 1e-7
 
 
 @dataclass(frozen=True, eq=False)
 class ErrorPanel:
-    """Curves of one quantity of one subject. `name` is the heading of its columns in the data."""
+    """Errors of the quantity in `column` of several formulations, for one leg or robot.
+
+    `name` is the heading of the panel's columns in the data. Of formulations with Timoshenko's
+    theory, the error at the element count of table [agree] is written beside the curve.
+    """
 
     name: str
     title: str
-    curves: Sequence[ErrorCurve]
+    formulations: Sequence[ConvergenceSeries]
+    column: int
+
+    @property
+    def drawn(self) -> list[ConvergenceSeries]:
+        """Formulations except those whose errors nearly equal those with Timoshenko's theory."""
+        timoshenko = {
+            (series.discretisation, series.counts): series
+            for series in self.formulations
+            if series.discretisation.theory == "timoshenko"
+        }
+        drawn = []
+        for series in self.formulations:
+            key = replace(series.discretisation, theory="timoshenko"), series.counts
+            other = timoshenko.get(key, series)
+            pair = np.abs([one.errors[:, self.column] for one in (series, other)]) + _NEARLY_EXACT
+            fine = np.array(series.counts) >= min(COARSE_COUNT, series.counts[-1])
+            ratios = np.abs(np.log(pair[0] / pair[1])[fine])
+            if other is series or np.max(ratios) > np.log(_VISIBLE):
+                drawn.append(series)
+        return drawn
 
 
 def convergence_chart(
-    panels: Sequence[ErrorPanel],
-    x_label: str,
-    agreement: AgreementLimits = DEFAULT_LIMITS,
-    columns: int = 2,
+    panels: Sequence[ErrorPanel], x_label: str, agreement: AgreementLimits, columns: int = 2
 ) -> Chart:
     """Chart with one panel for each quantity of a subject; errors in per cent.
 
     Lines mark the error limit and the element count of `agreement`. `x_label`: label of the axis of
     element counts. `columns`: panels in a row.
     """
-    counts = np.unique(np.concatenate([curve.counts for panel in panels for curve in panel.curves]))
+    all_counts = {n for panel in panels for series in panel.formulations for n in series.counts}
+    counts = np.array(sorted(all_counts), dtype=float)
     columns = min(columns, len(panels))
     drawn = [
         _panel(panel, counts, agreement, leftmost=k % columns == 0)
@@ -71,45 +79,45 @@ def convergence_chart(
     ]
     table: dict[str, Column] = {x_label: counts.tolist()}
     for panel in panels:
-        for curve in panel.curves:
-            table[f"{panel.name}: {curve.name}, error (%)"] = _column(curve, counts)
+        for series in panel.formulations:
+            errors = dict(zip(series.counts, 100.0 * series.errors[:, panel.column], strict=True))
+            cells = [float(errors[n]) if n in errors else None for n in counts]
+            table[f"{panel.name}: {series.discretisation.label}, error (%)"] = cells
     return Chart(drawn, x_label, columns, 2.2, table)
-
-
-def _column(curve: ErrorCurve, counts: Array) -> Column:
-    """Errors in per cent at all `counts`. None at a count for which the curve has no value."""
-    errors = dict(zip(curve.counts.tolist(), (100.0 * curve.errors).tolist(), strict=True))
-    return [errors.get(count) for count in counts.tolist()]
 
 
 def _panel(
     panel: ErrorPanel, counts: Array, agreement: AgreementLimits, *, leftmost: bool
 ) -> Panel:
-    series = []
+    curves = []
     ends_of_curves: list[tuple[float, float, str]] = []
     stated: list[tuple[float, float, str]] = []
     error, count = 100.0 * agreement.convergence, float(agreement.elements)
     lowest = error
-    for curve in (curve for curve in panel.curves if curve.drawn):
-        sizes = 100.0 * np.abs(curve.errors)
+    for series in panel.drawn:
+        discretisation, series_counts = series.discretisation, np.array(series.counts, dtype=float)
+        sizes = 100.0 * np.abs(series.errors[:, panel.column])
         sizes[sizes < _LOWEST] = np.nan
-        series.append(Series(curve.label, curve.counts, sizes, of=curve.look))
+        label = f"{discretisation.label} (formal order {series.formal_order:g})"
+        curves.append(Series(label, series_counts, sizes, of=discretisation.look))
         if visible := np.flatnonzero(np.isfinite(sizes)).tolist():
-            last = visible[-1]
-            ends_of_curves.append((float(sizes[last]), float(curve.counts[last]), curve.remark))
+            last, remark = visible[-1], series.behaviour(panel.column)
+            ends_of_curves.append((float(sizes[last]), float(series_counts[last]), remark))
             lowest = min(lowest, float(np.nanmin(sizes)))
-        at_stated = (curve.counts == count) & np.isfinite(sizes)
-        for size in sizes[at_stated & curve.stated].tolist():
-            text = f"{number(size, 2)}\N{NO-BREAK SPACE}%"
-            stated.append((size, count, text))
+        if discretisation.theory == "timoshenko":
+            at_stated = sizes[(series_counts == count) & np.isfinite(sizes)]
+            stated += [
+                (size, count, f"{number(size, 2)}\N{NO-BREAK SPACE}%")
+                for size in at_stated.tolist()
+            ]
     ends = np.array([counts[0], counts[-1]])
-    highest = np.nanmax([np.nanmax(line.y, initial=error) for line in series])
+    highest = np.nanmax([np.nanmax(curve.y, initial=error) for curve in curves])
     lines = [Series(f"{error:g} %", ends, np.full(2, error), of="stated error")]
     if counts[0] <= count <= counts[-1]:
         upright = np.full(2, count), np.array([lowest, highest])
         lines.append(Series(f"{count:g} elements", *upright, of="stated count"))
     return Panel(
-        [*series, *lines],
+        [*curves, *lines],
         panel.title,
         "|error| (%)" if leftmost else "",
         partial(refined, x=_ticks(counts), decay=True),

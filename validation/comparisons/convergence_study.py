@@ -5,7 +5,7 @@ quantity as text, table, JSON, CSV or picture, and AssertionError if an error ex
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from html import escape
 from typing import TYPE_CHECKING, Literal
 
@@ -16,34 +16,28 @@ from lumped.acceptance.requirement import DEFAULT_LIMITS, AgreementLimits
 from lumped.errors import InputError
 from lumped.mechanism.mechanism import UNITS_OF_MOVES
 from lumped.model_choices import Layout, Theory
-from validation.comparisons.convergence_chart import ErrorCurve, ErrorPanel, convergence_chart
-from validation.comparisons.convergence_series import TARGETS, ConvergenceSeries
-from validation.comparisons.convergence_text import (
+from validation.comparisons.convergence_chart import ErrorPanel, convergence_chart
+from validation.comparisons.convergence_series import (
+    TARGETS,
+    ConvergenceSeries,
     SeriesRecord,
     series_cells,
     series_record,
     series_rows,
     short_summary,
-    size_text,
     summary,
 )
 from validation.comparisons.discretisations import PARAMETERS
 from validation.drawing.chart import Chart
 from validation.drawing.style import csv_of
-from validation.drawing.text import number
+from validation.drawing.text import number, percent
 from validation.models.options import RefinedModel
 from validation.record_fields import json_text
 from validation.studies_and_figures import ElementStudy
 from validation.tables import ResultTable
-from validation.uncertainty.grid_convergence import COARSE_COUNT
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-# Smallest ratio of errors that is visible in a figure over eight decades.
-_VISIBLE = 1.5
-# Relative errors too small to be visible in the figure.
-_NEARLY_EXACT = 1e-7
 
 
 class StudyRecord(msgspec.Struct, frozen=True, kw_only=True):
@@ -194,7 +188,8 @@ class ConvergenceStudy:
         series = self.of(model, layout, theory)
         count = self.stated_count(series) if elements is None else elements
         allowed = self.agreement.convergence if within is None else within
-        self._require_converged(series, quantity, count, allowed)
+        if excess := self._excess(series, quantity, count, allowed):
+            raise AssertionError(excess)
 
     def stated_count(self, series: ConvergenceSeries) -> int:
         """Element count at which the error is judged.
@@ -215,9 +210,11 @@ class ConvergenceStudy:
         """
         return short_summary(series, column, self._stated)
 
-    def _require_converged(
-        self, series: ConvergenceSeries, quantity: str, count: int, within: float
-    ) -> None:
+    def _excess(self, series: ConvergenceSeries, quantity: str, count: int, within: float) -> str:
+        """Text on an error that exceeds `within` at `count` or a finer one. "" if none does.
+
+        Raises InputError for a count that was not computed.
+        """
         column = self.column(quantity)
         if count not in series.counts:
             computed_counts = ", ".join(map(str, series.counts))
@@ -226,15 +223,14 @@ class ConvergenceStudy:
             )
         row = series.counts.index(count)
         bound = series.largest_errors[row, column] + series.limit_half_widths[column]
-        if not bound <= within:
-            raise AssertionError(
-                (
-                    f"{series.discretisation.label}, {self.title}, {quantity}: the error "
-                    f"reaches {size_text(bound)} with {count} {self.refined} or more, allowed "
-                    f"{size_text(within)}; {series.behaviour(column)}; "
-                    f"{summary(series, column, self._stated)}"
-                ).replace("\N{NO-BREAK SPACE}", " ")
-            )
+        if bound <= within:
+            return ""
+        reached, allowed = (percent(error, signed=False) for error in (bound, within))
+        return (
+            f"{series.discretisation.label}, {self.title}, {quantity}: the error reaches {reached} "
+            f"with {count} {self.refined} or more, allowed {allowed}; {series.behaviour(column)}; "
+            f"{summary(series, column, self._stated)}"
+        ).replace("\N{NO-BREAK SPACE}", " ")
 
     def table(self, quantity: str = "f1") -> ResultTable:
         """Values, errors and orders of one quantity, a row for each formulation and element count.
@@ -429,11 +425,8 @@ class ConvergenceStudy:
             count = self.stated_count(series)
             if within is None and count not in series.counts:
                 continue
-            try:
-                self._require_converged(series, quantity, count, allowed)
-            except AssertionError as error:
-                lines.append(str(error))
-        return lines
+            lines.append(self._excess(series, quantity, count, allowed))
+        return [line for line in lines if line]
 
     def csv(self) -> str:
         """Values and relative errors of all quantities as CSV.
@@ -510,50 +503,14 @@ class ConvergenceStudy:
         return convergence_chart(panels, PARAMETERS[self.refined].axis, self.agreement)
 
     def panel(self, quantity: str) -> ErrorPanel:
-        """Error curves of one quantity.
-
-        Euler–Bernoulli curves are drawn only if they differ visibly from Timoshenko's.
-        """
+        """Errors of one quantity by all formulations."""
         column = self.column(quantity)
         limit = self.series[0].limits[column]
         limit_text = (
             f"{limit:.4g} Hz" if self.units[column] == "Hz" else f"{number(1e9 * limit, 3)} µm/kN"
         )
-        return ErrorPanel(
-            f"{self.subject or 'robot'}: {quantity}",
-            f"{self.subject or 'robot'}: {quantity}, limit {limit_text}",
-            tuple(
-                ErrorCurve(
-                    series.discretisation.label,
-                    f"{series.discretisation.label} (formal order {series.formal_order:g})",
-                    np.array(series.counts, dtype=float),
-                    series.errors[:, column],
-                    series.behaviour(column),
-                    series.discretisation.look,
-                    self._visible(series, column),
-                    series.discretisation.theory == "timoshenko",
-                )
-                for series in self.series
-            ),
-        )
-
-    def _visible(self, series: ConvergenceSeries, column: int) -> bool:
-        """True unless the same formulation with Timoshenko's theory has nearly equal errors."""
-        timoshenko = replace(series.discretisation, theory="timoshenko")
-        for other_series in self.series:
-            if (
-                other_series is not series
-                and other_series.discretisation == timoshenko
-                and other_series.counts == series.counts
-            ):
-                pairs = (
-                    np.abs([series.errors[:, column], other_series.errors[:, column]])
-                    + _NEARLY_EXACT
-                )
-                fine = np.array(series.counts) >= min(COARSE_COUNT, series.counts[-1])
-                ratios = np.log(pairs[0] / pairs[1])[fine]
-                return bool(np.max(np.abs(ratios)) > np.log(_VISIBLE))
-        return True
+        name = f"{self.subject or 'robot'}: {quantity}"
+        return ErrorPanel(name, f"{name}, limit {limit_text}", self.series, column)
 
     def __repr__(self) -> str:
         labels = ", ".join(series.discretisation.label for series in self.series)

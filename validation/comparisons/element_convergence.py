@@ -7,7 +7,7 @@ its root, is compared with the exact cantilever of the same theory: Huang's freq
 limit is that of the beam elements, f = f80 + (f80 − f40)/15 for fourth order in 1/n.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from math import ceil
@@ -168,8 +168,8 @@ def leg_convergence(
         reference = "exact cantilever of the same theory (Huang 1961)"
     else:
         limits, reference = partial(_beam_limit, discretised), _EXTRAPOLATED
-    study = convergence_study(responses, name, {}, reference)
-    return replace(study, series=_all_series(discretised, limits, discretisations, counts))
+    series = _all_series(discretised, limits, discretisations, counts)
+    return convergence_study(responses, name, reference, series)
 
 
 def robot_convergence(
@@ -191,30 +191,37 @@ def robot_convergence(
         responses, partial(_robot_statics, highest), partial(_robot_modes, highest), executor
     )
     limits = partial(_beam_limit, discretised)
-    pose = dict(zip(mechanism.tool.moves, postures[0].pose.tolist(), strict=True))
-    study = convergence_study(responses, "", pose, _EXTRAPOLATED)
-    return replace(study, series=_all_series(discretised, limits, discretisations, counts))
+    series = _all_series(discretised, limits, discretisations, counts)
+    return convergence_study(responses, "", _EXTRAPOLATED, series)
 
 
 _EXTRAPOLATED = "limit of the beam elements, extrapolated from 40 and 80 elements"
 
 
 def convergence_study(
-    responses: Responses, subject: str, pose: Mapping[str, float], reference: str
+    responses: Responses,
+    subject: str,
+    reference: str,
+    series: Iterable[ConvergenceSeries],
 ) -> ConvergenceStudy:
-    """Study of the leg `subject`, or of the whole robot if `subject` is "", still without series.
+    """Study of the leg `subject`, or of the whole robot if `subject` is "".
 
-    `pose` has the coordinates (m, rad) of the robot by name. `reference` names the source of the
-    limits.
+    `reference` names the source of the limits. The limits of agreement are those of the robot file.
     """
+    robot = responses.robot
+    pose: dict[str, float] = {}
+    if not subject:
+        moves = robot.mechanism.tool.moves
+        pose = dict(zip(moves, robot.postures[0].pose.tolist(), strict=True))
     return ConvergenceStudy(
-        robot=responses.robot.mechanism.name,
+        robot=robot.mechanism.name,
         subject=subject,
         pose=pose,
         quantities=QUANTITIES,
         units=UNITS,
         reference=reference,
-        series=(),
+        series=tuple(series),
+        agreement=robot.context.robot_file.agreement,
     )
 
 

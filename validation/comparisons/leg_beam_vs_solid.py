@@ -41,11 +41,10 @@ from validation.cases.leg_theory import (
 )
 from validation.comparisons.agreement_cases import (
     DISTORTION,
-    FORMULA,
-    FORMULA_SOURCE,
     HELD_FACES,
     agreement_group,
     compliance_cases,
+    formula_allowance,
     frequency_cases,
     limited,
 )
@@ -113,11 +112,7 @@ def _motion(
     by_section = context.get(computed_compliances, leg, meshes)
     section_refinement = Refinement(meshes, by_section, formal_order(leg, "free"))
     stiff, soft = (bound[diagonal] for bound in context.get(compliance_band, leg, sections[-1]))
-    formula = limited(
-        float(theory - computed[-1][diagonal]),
-        (float(stiff - computed[-1][diagonal]), float(soft - computed[-1][diagonal])),
-        section_refinement.uncertainty(*diagonal),
-    )
+    half_width = section_refinement.uncertainty(*diagonal)
     return Measurement(
         float(leg_compliance(model, leg, _options(limits))[diagonal]),
         float(solid.values[-1][diagonal]),
@@ -125,7 +120,7 @@ def _motion(
         judged_uncertainty=residuals.uncertainty(*diagonal),
         allowances=(
             Allowance(HELD_FACES, -float(restraint[-1][diagonal]), "fem.couplings.end_effects"),
-            Allowance(FORMULA, formula, FORMULA_SOURCE),
+            formula_allowance(theory, computed[-1][diagonal], (stiff, soft), half_width),
         ),
     )
 
@@ -158,11 +153,7 @@ def _frequency(
     reference = float(specified_ends.frequencies.values[-1, index])
     value = float(leg_frequencies(model, leg, index + 1, _options(limits))[index])
     band = context.get(frequency_band, leg, divisions[-1], kinds)[:, index]
-    formula = limited(
-        modes[index].frequency - float(beam_frequencies[-1]),
-        (float(band[0] - beam_frequencies[-1]), float(band[1] - beam_frequencies[-1])),
-        Refinement(divisions, beam_frequencies).uncertainty(),
-    )
+    half_width = Refinement(divisions, beam_frequencies).uncertainty()
     stiffening = context.get(rigid_end_share, leg, divisions[-1], modes[index].kind)
     stiffening *= (2 * modes[index].order - 1) ** _GROWTH[modes[index].kind]
     faces = limited(
@@ -178,7 +169,7 @@ def _frequency(
         allowances=(
             Allowance(HELD_FACES, faces, HELD_SOURCE),
             Allowance(DISTORTION, -float(change[-1]), DISTORTION_SOURCE),
-            Allowance(FORMULA, formula, FORMULA_SOURCE),
+            formula_allowance(modes[index].frequency, beam_frequencies[-1], band, half_width),
         ),
     )
 

@@ -44,13 +44,11 @@ from meshes.section.section_mesh import SectionMesh, section_mesh
 from validation.case import Allowance, Measurement, Relative, Skip
 from validation.comparisons.agreement_cases import (
     DISTORTION,
-    FORMULA,
-    FORMULA_SOURCE,
     HELD_FACES,
     agreement_group,
     compliance_cases,
+    formula_allowance,
     frequency_cases,
-    limited,
 )
 from validation.comparisons.element_convergence import MODES
 from validation.comparisons.line_distortion import frequency_change
@@ -145,11 +143,6 @@ def _motion(
     on_coarse, computed = (context.get(computed_tip, leg, n)[diagonal] for n in divisions)
     theory = leg.sections("timoshenko").tip_compliance[diagonal]
     soft, stiff = (bound[diagonal] for bound in context.get(_formula_tips, leg, divisions[1]))
-    formula = limited(
-        float(theory - computed),
-        (float(stiff - computed), float(soft - computed)),
-        free.half_width(computed - on_coarse),
-    )
     walls = [context.get(_wall_distortion, leg, n) for n in divisions]
     coarse_walls, fine_walls = walls if entry == _TORSION else (0.0, 0.0)
     # What kinks add to the compliance lies between zero and an upper bound.
@@ -166,7 +159,9 @@ def _motion(
         allowances=(
             Allowance(HELD_FACES, -float(restraint), _HELD_SOURCE),
             Allowance(DISTORTION, -fine_walls, _WALLS_SOURCE),
-            Allowance(FORMULA, formula, FORMULA_SOURCE),
+            formula_allowance(
+                theory, computed, (stiff, soft), free.half_width(computed - on_coarse)
+            ),
             *((Allowance(_KINKED_WALLS, -kinks, _KINKS_SOURCE),) if kinks else ()),
         ),
     )
@@ -273,12 +268,6 @@ def _frequency(
     change = context.get(_distortion, leg, meshes[1], index)
     theory = leg_frequencies("beam", leg, index + 1, ModelOptions(elements=ELEMENTS))[index]
     soft, stiff = (bound[index] for bound in context.get(_formula_frequencies, leg, meshes[1]))
-    # The allowance is bounded: it would otherwise explain any error of the beam's own constants.
-    formula = limited(
-        float(theory - computed),
-        (float(soft - computed), float(stiff - computed)),
-        policy.half_width(computed - on_coarse),
-    )
     value = leg_frequencies(model, leg, index + 1, _options(limits))[index]
     return Measurement(
         float(value),
@@ -288,7 +277,9 @@ def _frequency(
         allowances=(
             Allowance(HELD_FACES, float(free - fine), _HELD_SOURCE),
             Allowance(DISTORTION, -float(computed) * change, _WAVES_SOURCE),
-            Allowance(FORMULA, formula, FORMULA_SOURCE),
+            formula_allowance(
+                theory, computed, (soft, stiff), policy.half_width(computed - on_coarse)
+            ),
         ),
     )
 

@@ -187,29 +187,15 @@ def _first_frequency(context: Context, body: str, ends: Ends, condition: str) ->
     leg = constant_leg_of(context, body)
     modes = frequencies(context, body, ends, beam_mode_count(context, leg))
     refinement = modes.frequencies
-    values = refinement.values[:, 0]
-    name = f"hexahedra, {condition} ends"
-    studies = (
-        _study(
-            body,
-            f"f1.hexahedra.{condition}",
-            ("f1", "f1 (Hz)", "Hz"),
-            name,
-            modes.unknowns,
-            values,
-            refinement.formal_order,
-            _convergence(refinement),
-        ),
-        _cost(body, f"hexahedra.{condition}", name, modes.unknowns, modes.seconds),
-    )
-    width = refinement.uncertainty(0) / float(values[-1])
+    order, convergence = refinement.formal_order, _convergence(refinement)
+    width = refinement.uncertainty(0) / float(refinement.values[-1, 0])
     # A mesh that is too coarse is not a disagreement: the excess over the limit counts as
     # uncertainty.
     return Measurement(
         width,
         0.01,
         judged_uncertainty=max(width - 0.01, 0.0),
-        studies=studies,
+        studies=_f1_studies(body, "hexahedra", condition, modes, order, convergence),
         decides="use a finer preset",
     )
 
@@ -236,22 +222,11 @@ def _tetrahedra(context: Context, body: str, ends: Ends, condition: str) -> Meas
     tetrahedral = meshes.frequencies
     limit = _convergence(hexahedral).extrapolated
     width = tetrahedral.uncertainty(0)
-    name = f"tetrahedra, {condition} ends"
-    studies = (
-        _study(
-            body,
-            f"f1.tetrahedra.{condition}",
-            ("f1", "f1 (Hz)", "Hz"),
-            name,
-            meshes.unknowns,
-            tetrahedral.values[:, 0],
-            hexahedral.formal_order,
-            # Unstructured meshes are not geometrically similar and have no extrapolated limit:
-            # errors are relative to the limit of the hexahedra.
-            Convergence(tetrahedral.values[:, 0], np.array([]), None, limit, width),
-        ),
-        _cost(body, f"tetrahedra.{condition}", name, meshes.unknowns, meshes.seconds),
-    )
+    # Unstructured meshes are not geometrically similar and have no extrapolated limit: errors are
+    # relative to the limit of the hexahedra.
+    convergence = Convergence(tetrahedral.values[:, 0], np.array([]), None, limit, width)
+    order = hexahedral.formal_order
+    studies = _f1_studies(body, "tetrahedra", condition, meshes, order, convergence)
     difference = abs(float(tetrahedral.values[-1, 0]) - float(hexahedral.values[-1, 0]))
     both = width + hexahedral.uncertainty(0)
     return Measurement(difference / both, 1.0, exact=True, studies=studies)
@@ -340,19 +315,28 @@ def _study(
     )
 
 
-def _cost(
-    body: str, name: str, variant: str, unknowns: Sequence[int], seconds: tuple[float, ...]
-) -> Study:
-    return Study(
-        id=f"convergence.{body}.solid.seconds.{name}",
+def _f1_studies(
+    body: str,
+    elements: str,
+    condition: str,
+    modes: SolidModes,
+    order: float,
+    convergence: Convergence,
+) -> tuple[Study, Study]:
+    """Studies of f1 and of the CPU time over the unknowns of the meshes."""
+    variant, values = f"{elements}, {condition} ends", modes.frequencies.values[:, 0]
+    name, panel = f"f1.{elements}.{condition}", ("f1", "f1 (Hz)", "Hz")
+    cost = Study(
+        id=f"convergence.{body}.solid.seconds.{elements}.{condition}",
         title=f"{body} as a solid, {variant}: {_CPU}",
         x_label="unknowns",
         y_label=f"{_CPU} (s)",
         unit="s",
-        x=tuple(map(float, unknowns)),
-        series={variant: seconds},
+        x=tuple(map(float, modes.unknowns)),
+        series={variant: modes.seconds},
         family=f"convergence.{body}.solid",
         family_title=f"{body}: convergence with mesh",
         variant=variant,
         panel=_CPU,
     )
+    return _study(body, name, panel, variant, modes.unknowns, values, order, convergence), cost

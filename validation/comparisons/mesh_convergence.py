@@ -8,7 +8,6 @@ half-width.
 """
 
 from collections.abc import Sequence
-from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -63,14 +62,12 @@ def leg_mesh_convergence(
     discretised = Discretised(responses, partial(_statics, leg), partial(_modes, leg), executor)
     meshes = [[solid.with_count(count) for count in counts] for solid in discretisations]
     discretised.solve_ahead([mesh for row in meshes for mesh in row])
-    study = convergence_study(responses, name, {}, "limit extrapolated from the finest meshes")
-    return replace(
-        study,
-        series=tuple(
-            _series(leg, solid, counts, np.array(list(map(discretised.values, row))))
-            for solid, row in zip(discretisations, meshes, strict=True)
-        ),
-    )
+    series = [
+        _series(leg, solid, counts, np.array(list(map(discretised.values, row))))
+        for solid, row in zip(discretisations, meshes, strict=True)
+    ]
+    reference = "limit extrapolated from the finest meshes"
+    return convergence_study(responses, name, reference, series)
 
 
 def _series(

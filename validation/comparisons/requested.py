@@ -5,13 +5,10 @@ with all faults of the options.
 """
 
 from collections.abc import Sequence
-from dataclasses import replace
 
-from fem.beams.stepped import SteppedLeg
 from lumped.acceptance.requirement import MOST_ELEMENTS
 from lumped.equivalent_leg import sectioned_leg
 from lumped.errors import InputError
-from lumped.legs import SectionedLeg
 from lumped.mechanism.kinematics.postures import posture, reference_posture
 from lumped.mechanism.mechanism import Mechanism, Posture
 from lumped.model_choices import Theory
@@ -49,27 +46,22 @@ def convergence(
     Timoshenko's. `executor` computes the counts or meshes. Raises InputError with all faults of the
     arguments.
     """
-    mechanism, limits = robot_file.mechanism, robot_file.agreement
+    mechanism = robot_file.mechanism
     if faults := _faults(mechanism, model, body, elements, divisions, theory):
         raise InputError(faults)
     # A leg alone has no pose.
     at = middle_posture(mechanism) if body is None else reference_posture(mechanism)
     responses = Responses(robot_at(Context(robot_file), [at]), strict=True)
     if model == "solid" or divisions is not None:
-        leg = legs_of(mechanism)[str(body)]
-        study = leg_mesh_convergence(
-            responses,
-            str(body),
-            sectioned_leg(leg),
-            divisions=divisions or DIVISIONS,
-            executor=executor,
+        leg = sectioned_leg(legs_of(mechanism)[str(body)])
+        return leg_mesh_convergence(
+            responses, str(body), leg, divisions=divisions or DIVISIONS, executor=executor
         )
-        return replace(study, agreement=limits)
     formulations = EULER_BERNOULLI if theory == "euler-bernoulli" else FORMULATIONS
     discretisations = [
         discretisation for discretisation in formulations if model in (None, discretisation.model)
     ]
-    counts = tuple(elements or {*COUNTS, limits.elements})
+    counts = tuple(elements or {*COUNTS, robot_file.agreement.elements})
     if body in mechanism.parts or (body is None and mechanism.parts):
         # Each prismatic piece has a whole number of elements. The literal layout is defined for one
         # prism.
@@ -85,11 +77,10 @@ def convergence(
                 "stepped CAD part"
             )
     if body is None:
-        study = robot_convergence(responses, discretisations, counts, executor)
-    else:
-        leg_alone = _leg(mechanism, body)
-        study = leg_convergence(responses, body, leg_alone, discretisations, counts, executor)
-    return replace(study, agreement=limits)
+        return robot_convergence(responses, discretisations, counts, executor)
+    legs = legs_of(mechanism)
+    leg_alone = sectioned_leg(legs[body]) if body in legs else stepped(mechanism.parts[body])
+    return leg_convergence(responses, body, leg_alone, discretisations, counts, executor)
 
 
 def leg_names(mechanism: Mechanism) -> list[str]:
@@ -104,11 +95,6 @@ def middle_posture(mechanism: Mechanism) -> Posture:
     return (
         posture(mechanism, poses[len(poses) // 2]) if len(poses) else reference_posture(mechanism)
     )
-
-
-def _leg(mechanism: Mechanism, body: str) -> SectionedLeg | SteppedLeg:
-    legs = legs_of(mechanism)
-    return sectioned_leg(legs[body]) if body in legs else stepped(mechanism.parts[body])
 
 
 def _faults(

@@ -38,11 +38,10 @@ from validation.cases.leg_theory import HELICAL
 from validation.cases.leg_waves import NO_WAVES, WAVES_SOURCE, wave_changes, waves_of
 from validation.comparisons.agreement_cases import (
     DISTORTION,
-    FORMULA,
-    FORMULA_SOURCE,
     HELD_FACES,
     agreement_group,
     compliance_cases,
+    formula_allowance,
     frequency_cases,
     limited,
 )
@@ -292,9 +291,10 @@ def _motion(context: Context, model: ModelName, entry: int, limits: AgreementLim
     (model_response,) = context.get(answers, model, (posture,), 0, _options(limits))
     computed = float(statics.computed[_FINE, entry])
     residuals = (statics.restrained - statics.solid)[:, entry]
-    formula = limited(
-        float(statics.textbook[entry]) - computed,
-        (float(statics.stiff[entry]) - computed, float(statics.soft[entry]) - computed),
+    formula = formula_allowance(
+        statics.textbook[entry],
+        computed,
+        (statics.stiff[entry], statics.soft[entry]),
         policy.half_width(computed - statics.other_mesh[entry]),
     )
     return Measurement(
@@ -308,7 +308,7 @@ def _motion(context: Context, model: ModelName, entry: int, limits: AgreementLim
                 computed - float(statics.restrained[_FINE, entry]),
                 "fem.couplings.end_effects",
             ),
-            Allowance(FORMULA, formula, FORMULA_SOURCE),
+            formula,
         ),
         pose=tuple(posture.pose.tolist()),
     )
@@ -474,9 +474,10 @@ def _frequency(
     computed = float(modes.computed[_FINE, index])
     policy = MeshPolicy.of_order(meshes.ratio(legs), FORMAL_ORDER)
     residuals = distorted - free
-    formula = limited(
-        float(modes.textbook[index]) - computed,
-        (float(modes.soft[index]) - computed, float(modes.stiff[index]) - computed),
+    formula = formula_allowance(
+        modes.textbook[index],
+        computed,
+        (modes.soft[index], modes.stiff[index]),
         policy.half_width(computed - float(modes.computed[_COARSE, index])),
     )
     shares = [
@@ -504,7 +505,7 @@ def _frequency(
         allowances=(
             Allowance(HELD_FACES, faces, HELD_SOURCE),
             Allowance(DISTORTION, computed - float(distorted[_FINE]), WAVES_SOURCE),
-            Allowance(FORMULA, formula, FORMULA_SOURCE),
+            formula,
         ),
         pose=tuple(posture.pose.tolist()),
         decides=_FREE_ENDS if beyond else _REFINE,

@@ -81,11 +81,12 @@ def as_json(mechanism: Mechanism, postures: Sequence[Posture]) -> str:
         "results": [
             {
                 "pose": posture.pose.tolist(),
-                "residual": _residual(closure, posture),
+                "residual": float(np.abs(gaps).max(initial=0.0)) / closure.size,
                 **_mobility_json(mobility(posture)),
                 "coordinates": {n: values.tolist() for n, values in posture.coordinates.items()},
             }
             for posture in postures
+            for gaps in [closure.residual(closure.placement(posture))]
         ],
     }
     return json.dumps(document, indent=1)
@@ -94,11 +95,6 @@ def as_json(mechanism: Mechanism, postures: Sequence[Posture]) -> str:
 def _mobility_json(motions: Mobility) -> dict[str, Any]:
     names = ("mobility", "idle", "constraints", "redundant", "at_limit", "stirring", "barred")
     return {name: getattr(motions, name) for name in names}
-
-
-def _residual(closure: Closure, posture: Posture) -> float:
-    residual = closure.residual(closure.placement(posture))
-    return float(np.abs(residual).max(initial=0.0)) / closure.size
 
 
 def _coordinates(joint: Joint, posture: Posture) -> str:

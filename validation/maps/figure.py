@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 from math import prod
 from textwrap import fill
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 
@@ -32,6 +32,7 @@ from validation.maps.workspace import (
     workspace,
     worst_posture,
 )
+from validation.record_fields import finite_items
 from validation.references.responses import Responses
 from validation.references.robot_on_path import coordinates, path_postures, robot_at
 from validation.report.words import capital
@@ -216,19 +217,16 @@ def _panels(space: Workspace, names: Sequence[str], maps: Sequence[Map]) -> list
                 (float(np.nanmin(values)), float(np.nanmax(values))),
                 (float(star[0]), float(star[1])) if indices == nearest else None,
             )
+            # Long names of models continue on a second line.
+            title = f"{mapped.title} ({mapped.unit})" if indices == slices[0] else ""
             panels.append(
                 Panel(
-                    title=_title(mapped) if indices == slices[0] else "",
+                    title=fill(title, _TITLE_WIDTH, break_on_hyphens=False),
                     y_label="".join((*level, names[1])) if mapped is maps[0][0] else "",
                     contours=contours,
                 )
             )
     return panels
-
-
-def _title(mapped: MappedQuantity) -> str:
-    """Title of a column. Long names of models continue on a second line."""
-    return fill(f"{mapped.title} ({mapped.unit})", _TITLE_WIDTH, break_on_hyphens=False)
 
 
 def _caption(space: Workspace, maps: Sequence[Map]) -> str:
@@ -266,7 +264,7 @@ def _table(space: Workspace, names: Sequence[str], maps: Sequence[Map]) -> dict[
     for name, move in zip(names, space.varied, strict=True):
         table[name] = [float(pose[move]) for pose in poses]
     for k, (mapped, values, worst) in enumerate(maps):
-        column = [*_none_if_nan(values).ravel(), *[None] * len(maps)]
+        column = [*finite_items(values.ravel()), *[None] * len(maps)]
         column[k - len(maps)] = worst.value
         table[f"{mapped.title} ({mapped.unit})"] = column
     return table
@@ -283,12 +281,6 @@ def _study(
         model=mapped.model,
         moves=tuple(space.mechanism.tool.moves[move] for move in space.varied),
         x=tuple(tuple(axis.tolist()) for axis in space.axes),
-        values=tuple(_none_if_nan(values).tolist()),
+        values=tuple(finite_items(values)),
         worst=WorstValue(tuple(worst.pose.tolist()), worst.value),
     )
-
-
-def _none_if_nan(values: Array) -> Any:
-    optional = values.astype(object)
-    optional[np.isnan(values)] = None
-    return optional

@@ -83,6 +83,16 @@ class Comparison:
         """Half-width k u_val relative to |D|: the error lies within E ± k u_val (95 %)."""
         return hypot(*self.uncertainties.values())
 
+    @property
+    def low(self) -> float:
+        """Lower end of the interval of the error."""
+        return self.error - self.uncertainty
+
+    @property
+    def high(self) -> float:
+        """Upper end of the interval of the error."""
+        return self.error + self.uncertainty
+
     def verdict(self, limit: float) -> Adequacy:
         """Verdict for a relative `limit`.
 
@@ -346,12 +356,8 @@ def _entry(
     limit = requirement.limit(quantity)
     verdict = worst_of([comparison.verdict(limit) for comparison in comparisons.values()])
     # The largest error decides, over all values and over several values in one pose.
-    ordered = sorted(
-        comparisons.items(), key=lambda mode_partner: abs(mode_partner[1].error), reverse=True
-    )
-    worst, deciding = next(
-        mode_partner for mode_partner in ordered if mode_partner[1].verdict(limit) == verdict
-    )
+    ordered = sorted(comparisons.items(), key=lambda item: abs(item[1].error), reverse=True)
+    worst, deciding = next(item for item in ordered if item[1].verdict(limit) == verdict)
     by_pose = [
         next((comparison for measured, comparison in ordered if measured.pose == pose), None)
         for pose in poses
@@ -393,18 +399,12 @@ def _entry(
         reason=reason,
         error=deciding.error,
         uncertainty=deciding.uncertainty,
-        low=deciding.error - deciding.uncertainty,
-        high=deciding.error + deciding.uncertainty,
+        low=deciding.low,
+        high=deciding.high,
         value=deciding.value,
         uncertainties=deciding.uncertainties,
-        errors=tuple(comparison.error if comparison else None for comparison in by_pose),
-        lows=tuple(
-            comparison.error - comparison.uncertainty if comparison else None
-            for comparison in by_pose
-        ),
-        highs=tuple(
-            comparison.error + comparison.uncertainty if comparison else None
-            for comparison in by_pose
-        ),
-        values=tuple(comparison.value if comparison else None for comparison in by_pose),
+        errors=tuple(comparison and comparison.error for comparison in by_pose),
+        lows=tuple(comparison and comparison.low for comparison in by_pose),
+        highs=tuple(comparison and comparison.high for comparison in by_pose),
+        values=tuple(comparison and comparison.value for comparison in by_pose),
     )

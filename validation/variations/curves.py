@@ -7,10 +7,9 @@ are stored in the cache and not computed again.
 
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import closing
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import partial
-from inspect import signature
-from typing import Any, Protocol, TypeVar
+from typing import Any
 
 import numpy as np
 
@@ -33,8 +32,6 @@ from validation.run.executor import Executor, Finished, Work, in_turn
 from validation.run.stored_results import stored_arrays
 from validation.variations.decision import OBJECTIVES, Decision, Objective
 
-T = TypeVar("T")
-Result_co = TypeVar("Result_co", covariant=True)
 # Factor from a compliance in m/N to the deflection in µm under 1000 N.
 _MICROMETRES = 1e9
 
@@ -175,35 +172,26 @@ def _extremes(
     return extremes, half_widths
 
 
-class Unit(Protocol[Result_co]):
-    """Unit of work: plain data that can be sent to other processes and machines."""
-
-    def compute(self) -> Result_co:
-        """Compute the result of the unit."""
-
-
-def computed(
-    units: Sequence[Unit[T]], kind: Callable[..., T], executor: Executor, task: str
-) -> list[T]:
-    """Results of the units in their order, as records of class `kind` (a dataclass of arrays).
+def computed(units: Sequence[VariedRobot], executor: Executor, task: str) -> list[VariedModels]:
+    """Results of the units in their order.
 
     Each result is stored in the cache before the next is processed, so that an interrupted
     computation continues after the last one. Equal units are computed once. `task` is the text of
     the progress bar, which appears if stderr is a terminal. Raises the exception of the first unit
     that fails.
     """
-    names = tuple(signature(kind).parameters)
+    names = tuple(entry.name for entry in fields(VariedModels))
     keys = [key_of(program(), unit) for unit in units]
-    tasks = {key: partial(_arrays, unit, names) for key, unit in zip(keys, units, strict=True)}
-    arrays = stored_arrays(tasks, names, partial(_shown, executor, task))
+    tasks = {key: partial(_arrays, unit) for key, unit in zip(keys, units, strict=True)}
+    stored = stored_arrays(tasks, names, partial(_shown, executor, task))
     # Numbers are stored as arrays without dimensions.
-    return [kind(**{name: array[()] for name, array in arrays[key].items()}) for key in keys]
+    values: list[dict[str, Any]] = [{k: v[()] for k, v in stored[key].items()} for key in keys]
+    return [VariedModels(**arrays) for arrays in values]
 
 
-def _arrays(unit: Unit[T], names: Sequence[str]) -> dict[str, Any]:
-    """Arrays in the fields `names` of the result of a unit, by field."""
-    result = unit.compute()
-    return {name: getattr(result, name) for name in names}
+def _arrays(unit: VariedRobot) -> dict[str, Any]:
+    """Arrays of the result of a unit, by field."""
+    return vars(unit.compute())
 
 
 def _shown(executor: Executor, task: str, calls: Sequence[Work]) -> Finished:
@@ -251,7 +239,7 @@ def variation_study(
 ) -> dict[Objective, VariedCurves]:
     """Curves of all models over a variation, by objective. Stored results are not recomputed."""
     units = varied_robots(robot_file, variation, preset)
-    results = computed(units, VariedModels, executor, f"varying {variation.key}")
+    results = computed(units, executor, f"varying {variation.key}")
     curves: dict[Objective, VariedCurves] = {}
     for index, objective in enumerate(OBJECTIVES):
         robots = results[index * len(variation.values) :][: len(variation.values)]

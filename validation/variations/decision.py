@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import Literal, TypeAlias
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
 
 from lumped.arrays import Array
@@ -158,5 +159,4 @@ def _ranks(values: Array) -> Array:
     order = np.argsort(values, kind="stable")
     ascending, ties = values[order], np.zeros(len(values), dtype=int)
     ties[order[1:]] = np.cumsum(np.diff(ascending) > INDIFFERENT * np.abs(ascending[1:]))
-    counts = np.bincount(ties)
-    return np.asarray((np.cumsum(counts) - 0.5 * (counts + 1.0))[ties])
+    return np.asarray(scipy.stats.rankdata(ties) - 1.0)

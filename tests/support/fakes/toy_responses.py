@@ -2,13 +2,18 @@
 
 from types import SimpleNamespace
 
+from lumped.acceptance.requirement import DEFAULT_LIMITS
 from validation.references.reference import Interpretation, Reference, Source, SourceHalfWidths
 from validation.references.responses import Model, Responses
 from validation.references.robot_on_path import Reading
 from validation.responses.statics_and_modes import Statics
 
 # Responses of models that do not depend on a robot, such as those of a leg alone.
-NO_ROBOT = Responses(SimpleNamespace(mechanism=SimpleNamespace(name="")), strict=True)
+_FILE = SimpleNamespace(agreement=DEFAULT_LIMITS)
+NO_ROBOT = Responses(
+    SimpleNamespace(mechanism=SimpleNamespace(name=""), context=SimpleNamespace(robot_file=_FILE)),
+    strict=True,
+)
 
 
 def reading(name):

@@ -20,7 +20,7 @@ from validation.case import Skip
 from validation.cli import main
 from validation.comparisons import convergence_cases, element_convergence
 from validation.comparisons.convergence_cases import cases, study_of, subjects
-from validation.comparisons.convergence_figure import element_convergence as figure_of
+from validation.comparisons.convergence_cases import element_convergence as figure_of
 from validation.comparisons.convergence_series import fitted_orders
 from validation.comparisons.discretisations import EULER_BERNOULLI, FORMULATIONS
 from validation.context import Context, memo_key

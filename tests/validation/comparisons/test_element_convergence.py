@@ -215,7 +215,7 @@ def test_needed_counts_are_smallest(leg1, layout, quantity):
             assert abs(series.errors[-1, column]) > target
             continue
         study = leg_convergence(
-            NO_ROBOT, "", leg, [series.discretisation], [int(needed) - 1, int(needed)]
+            NO_ROBOT, "leg1", leg, [series.discretisation], [int(needed) - 1, int(needed)]
         )
         sizes = np.abs(study.series[0].errors[:, column])
         assert sizes[0] > target >= sizes[-1]
