@@ -48,6 +48,11 @@ if TYPE_CHECKING:
 _WRITE_PAUSE = 20.0
 # Time (s) of an idle core for one unit of effort.
 _SECONDS_PER_EFFORT: Mapping[Preset, float] = {"quick": 0.25, "standard": 0.4, "fine": 1.5}
+# Options that the command to resume a run repeats, besides --preset and --out.
+_REPEATED_OPTIONS = (
+    *("only", "baseline", "export", "cluster", "accept", "rely", "vary", "accuracy", "inputs"),
+    *("measured", "strict"),
+)
 
 
 @dataclass(frozen=True)
@@ -55,7 +60,7 @@ class Request:
     """Request of the user for a run, with the options of the command.
 
     `only`: shell-style pattern of ids. `baseline`: folder or results.json of an earlier run for
-    comparison. `exports`: True if meshes, fields and matrices are written to files. `cluster`:
+    comparison. `export`: True if meshes, fields and matrices are written to files. `cluster`:
     address of a Dask scheduler whose workers compute everything. `accept`, `rely`, `accuracy`
     (see `Requirement`), `inputs` (see `RobotFile.supposed`) and the file of `measured` values
     extend the robot file. `strict`: undecided counts as inadequate.
@@ -68,7 +73,7 @@ class Request:
     only: str | None = None
     start: Start = "afresh"
     baseline: Path | None = None
-    exports: bool = False
+    export: bool = False
     cluster: str | None = None
     accept: Sequence[str] = ()
     rely: Sequence[str] = ()
@@ -132,16 +137,14 @@ class Request:
     def resume_command(self) -> str:
         """Command that resumes an interrupted run of this request."""
         command = ["flexproof", "run", self.robot.source, "--preset", self.preset]
-        command += ["--only", self.only] if self.only else []
-        command += ["--baseline", str(self.baseline)] if self.baseline else []
-        command += ["--export"] if self.exports else []
-        command += ["--cluster", self.cluster] if self.cluster else []
-        for option in ("accept", "rely", "vary"):
-            command += [word for text in getattr(self, option) for word in (f"--{option}", text)]
-        command += ["--accuracy", f"{self.accuracy:g}"] if self.accuracy else []
-        command += ["--inputs", f"{self.inputs:g}"] if self.inputs else []
-        command += ["--measured", str(self.measured)] if self.measured else []
-        command += ["--strict"] if self.strict else []
+        for option in _REPEATED_OPTIONS:
+            value = getattr(self, option)
+            for entry in value if isinstance(value, list | tuple) else [value]:
+                if entry is True:
+                    command.append(f"--{option}")
+                elif entry:
+                    text = f"{entry:g}" if isinstance(entry, float) else str(entry)
+                    command += [f"--{option}", text]
         return join([*command, "--out", str(self.out), "--resume"])
 
 
@@ -152,7 +155,7 @@ def validate(request: Request, catalogue: runner.Catalogue) -> Results:
     ComputationError if workers cannot start or the export fails.
     """
     robot_file, preset = request.robot_file, request.preset
-    if request.exports:
+    if request.export:
         _refuse_large_exports(request)
     if request.variations:
         catalogue = partial(catalogue, variations=request.variations)
@@ -193,7 +196,7 @@ def validate(request: Request, catalogue: runner.Catalogue) -> Results:
         _compute_tasks(request, catalogue, results, folder, executor)
         with stage("writing the report"):
             publish(results, folder, findings)
-        if request.exports and not results.unfinished:
+        if request.export and not results.unfinished:
             from validation.export.files import export_mechanism  # noqa: PLC0415
 
             with (

@@ -79,7 +79,7 @@ def test_unpaired_modes_figure_has_reason(context):
 
 def test_too_large_export_is_refused_before_run(tmp_path):
     """`--export` of solids beyond the limit: no folder is made."""
-    request = Request(SLENDER, "quick", tmp_path / "run", 1, exports=True)
+    request = Request(SLENDER, "quick", tmp_path / "run", 1, export=True)
     with pytest.raises(InputError, match=REASON.replace("^", "^--export: ")):
         validate(request, catalogue)
     assert not (tmp_path / "run").exists()
