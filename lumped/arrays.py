@@ -32,6 +32,7 @@ from scipy.sparse import issparse  # noqa: E402
 Array: TypeAlias = NDArray[np.float64]
 ComplexArray: TypeAlias = NDArray[np.complex128]
 IntArray: TypeAlias = NDArray[np.int64]
+BoolArray: TypeAlias = NDArray[np.bool_]
 # scipy.sparse has no usable static types; the alias documents the intent.
 SparseMatrix: TypeAlias = Any
 

@@ -7,6 +7,7 @@ direction `up` as possible.
 
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 from typing import TypeAlias
 
 import numpy as np
@@ -120,16 +121,44 @@ class CentreLine:
         return float(np.linalg.norm(last - first))
 
     @cached_property
-    def corners(self) -> tuple[float, ...]:
-        """Positions (m along the line) at which the direction of the line jumps."""
-        jumps = []
-        for first, second, position in zip(
-            self.pieces[:-1], self.pieces[1:], self.ends[1:-1], strict=True
-        ):
+    def turns(self) -> dict[int, float]:
+        """Angle (rad) by which the direction of the line jumps at each corner.
+
+        The keys are the indices of the pieces that begin at the corners.
+        """
+        turns = {}
+        for number, (first, second) in enumerate(pairwise(self.pieces), start=1):
             before, after = first.at(np.ones(1))[1][0], second.at(np.zeros(1))[1][0]
             if float(before @ after) < _SMOOTH:
-                jumps.append(float(position))
-        return tuple(jumps)
+                sine = float(np.linalg.norm(np.cross(before, after)))
+                turns[number] = float(np.arctan2(sine, before @ after))
+        return turns
+
+    @property
+    def corners(self) -> tuple[float, ...]:
+        """Positions (m along the line) at which the direction of the line jumps."""
+        return tuple(float(self.ends[number]) for number in self.turns)
+
+    def corner_axes(self, number: int) -> tuple[Array, Array]:
+        """Axes of the sections (3×3 each) before and after the corner at which a piece begins.
+
+        `number` is the index of the piece.
+        """
+        position = np.repeat(self.ends[number], 2)
+        before, after = self.frames(position, np.array([number - 1, number]))[1]
+        return before, after
+
+    def mitre(self, number: int) -> tuple[Array, Array]:
+        """Slopes (2 each) of the plane that bisects a corner, in the sections before and after it.
+
+        A point (y, z) of a section at the corner lies in the plane if it is moved along its own
+        piece of the line by the scalar product of (y, z) and the slopes. `number` is the index of
+        the piece that begins at the corner.
+        """
+        before, after = self.corner_axes(number)
+        normal = before[:, 0] + after[:, 0]
+        first, second = (-(normal @ axes)[1:] / (normal @ axes)[0] for axes in (before, after))
+        return first, second
 
     @property
     def smallest_radius(self) -> float:

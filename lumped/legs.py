@@ -258,6 +258,16 @@ class LineLeg:
                 spans.append(Span(a, b, *sections))
         return tuple(spans)
 
+    @cached_property
+    def steps(self) -> tuple[tuple[float, Section, Section], ...]:
+        """Position (m along the line) of each step, and the sections before and after it."""
+        slack = TOGETHER * self.line.length
+        return tuple(
+            (start, first, second)
+            for (start, first), (end, second) in pairwise(self.stations)
+            if end - start <= slack and first != second
+        )
+
     @property
     def largest_extent(self) -> float:
         """Largest side (m) of the bounding boxes of the sections."""

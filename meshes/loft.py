@@ -1,27 +1,33 @@
-"""Solid meshes of tapered and curved legs: a section's mesh, moved along the line and stretched.
+"""Solid meshes of tapered, curved and bent legs: a section's mesh, moved along the line, stretched.
 
 Each plane of nodes is the mesh of the section in the middle of the line, stretched to the size and
 to the wall thickness of the section at the position of the plane. The numbering of the nodes is the
 same in all planes. Hexahedra have straight sides within a linear taper, and quadratic sides along
-an arc. A leg whose line has corners, or whose section changes in steps, cannot be meshed this way.
+an arc.
+
+At a corner of the line, both pieces end in the plane that bisects the corner (a mitre). There the
+nodes are the projection of the section along either piece, since each piece is the mirror image of
+the continuation of the other. The planes of nodes turn gradually from the mitre to the normal of
+the line, while fibres stay straight.
+
+In a leg whose section changes in steps, sections are constant between them. Each is a part of one
+mesh (`meshes.stepped`), so that the elements on both sides of a step have common nodes.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import ceil
+from typing import NamedTuple
 
 import numpy as np
 
 from lumped.arrays import Array, IntArray
 from lumped.centre_line import CentreLine
 from lumped.errors import InputError
-from lumped.legs import LineLeg
+from lumped.legs import LineLeg, Span
 from lumped.line_sections import TOGETHER
 from lumped.sections import (
     Circle,
-    HollowRectangle,
-    ISection,
     OutlinedSection,
-    Rectangle,
     Section,
     Tube,
 )
@@ -29,23 +35,32 @@ from meshes.quality import check
 from meshes.section.section_blocks import Divisions, element_length, has_blocks
 from meshes.section.section_mesh import SectionMesh, require_leg, section_mesh
 from meshes.solid_mesh import EndFace, SolidMesh
+from meshes.stepped import cells_in, common_mesh, cut, is_round, section_lines, why_no_common_mesh
 
-# Distance, as a fraction of the section's size, below which coordinates of corners count as one.
-_SAME_LINE = 1e-9
+# Rotation (rad) of the axes of the sections at a corner, relative to their mirror image, below
+# which outlines match.
+_SAME_AXES = 1e-6
+# Distance, over the largest side of the section, in which the planes of nodes turn from a mitre to
+# the normal of the line, and the largest distance of the mitre's edge from the corner.
+_TURNING, _LARGEST_REACH = 2.0, 1.5
 
 
 @dataclass(frozen=True, eq=False)
 class LoftedMesh(SolidMesh):
     """Mesh of 27-node hexahedra along the centre line `line`. The end faces are normal to the line.
 
-    Nodes are numbered plane by plane, as in an extruded mesh. `positions` (p values, in m along the
-    line) are the positions of the p planes of nodes. `sections` (p×n×2, in m) are the coordinates y
-    and z of the n nodes of each plane, in the axes of the line at this plane.
+    Nodes are numbered plane by plane. `positions` (p values, in m along the line) are the positions
+    of the p planes of nodes. `faces` (p) are the section meshes in these planes, in the axes of the
+    line, and `along` (p arrays, in m) the coordinates of their nodes along the line, relative to
+    the position. They are zero in planes that are normal to the line. `numbers` (p arrays) are the
+    numbers of these nodes in the solid. The face at a step is the section before it.
     """
 
     line: CentreLine
     positions: Array
-    sections: Array
+    faces: tuple[SectionMesh, ...]
+    along: tuple[Array, ...]
+    numbers: tuple[IntArray, ...]
 
     @property
     def length(self) -> float:
@@ -59,22 +74,8 @@ def why_no_loft(leg: LineLeg) -> str:
     sections = [section for _, section in leg.stations]
     if not all(section.has_outline for section in sections):
         return f"{name}: a section given by its constants has no shape that could be meshed"
-    if leg.line.corners:
-        positions = ", ".join(f"{position:.4g} m" for position in leg.line.corners)
-        return (
-            f"{name}: the centre line has corners (at {positions} along it); only rounded corners "
-            "can be meshed: give arcs, or use a CAD part"
-        )
-    steps = [
-        first[0]
-        for first, second in zip(leg.stations[:-1], leg.stations[1:], strict=True)
-        if second[0] - first[0] <= TOGETHER * leg.line.length and first[1] != second[1]
-    ]
-    if steps:
-        return (
-            f"{name}: the section jumps at {', '.join(f'{step:.4g} m' for step in steps)}; only a "
-            "continuous section can be meshed: give a short taper, or use a CAD part"
-        )
+    if leg.steps and (reason := _why_no_steps(leg)):
+        return f"{name}: {reason}, or use a CAD part"
     free = [
         section
         for section in sections
@@ -86,6 +87,16 @@ def why_no_loft(leg: LineLeg) -> str:
     isotropic = abs(material.G - material.E / (2.0 * (1.0 + material.nu))) <= 1e-9 * material.G
     if not (isotropic or leg.line.is_straight):
         return f"{name}: an independent G belongs to the axes of a straight leg; leave it out"
+    reason = _why_no_mitre(leg) if leg.line.turns else ""
+    return f"{name}: {reason}" if reason else ""
+
+
+def _why_no_steps(leg: LineLeg) -> str:
+    """Reason why a leg with steps has no solid mesh. "" if it has one."""
+    if any(span.first != span.last for span in leg.spans):
+        return "a leg with steps and tapers has no mesh: give a short taper at each step"
+    if reason := why_no_common_mesh(leg_sections(leg)):
+        return f"{reason}: give a short taper"
     return ""
 
 
@@ -94,13 +105,29 @@ def mesh_section(leg: LineLeg) -> Section:
     return leg.section_at(0.5 * leg.line.length)
 
 
+def leg_sections(leg: LineLeg) -> tuple[Section, ...]:
+    """Distinct sections at the stations of a leg."""
+    return tuple(dict.fromkeys(section for _, section in leg.stations))
+
+
+def solid_section(leg: LineLeg, section: Section, divisions: Divisions) -> SectionMesh:
+    """Mesh that the leg's solid has in one of its sections, `divisions` as for `loft`."""
+    if leg.steps:
+        return cut(leg_sections(leg), section, divisions)
+    reference = mesh_section(leg)
+    face = section_mesh(reference, divisions)
+    return replace(face, nodes=stretched(face.nodes, reference, section))
+
+
 def slices_along(leg: LineLeg, divisions: Divisions) -> int:
     """Number of slices that are about as long as the elements of the section are wide.
 
     `divisions` is the number of elements across the smaller side of the section.
     """
     count = min(divisions) if isinstance(divisions, tuple) else divisions
-    return max(2, ceil(leg.line.length / element_length(mesh_section(leg), count)))
+    sections = leg_sections(leg) if leg.steps else [mesh_section(leg)]
+    size = min(element_length(section, count) for section in sections)
+    return max(2, ceil(leg.line.length / size))
 
 
 def loft(leg: LineLeg, divisions: Divisions, slices: int) -> LoftedMesh:
@@ -113,51 +140,177 @@ def loft(leg: LineLeg, divisions: Divisions, slices: int) -> LoftedMesh:
         raise InputError(reason)
     reference = mesh_section(leg)
     require_leg(reference, leg.line.length, divisions)
-    face = section_mesh(reference, divisions)
-    positions, pieces, sections = _planes(leg, face, reference, slices)
-    points, axes = leg.line.frames(positions, pieces)
-    nodes = points[:, None] + np.einsum("pij,pnj->pni", axes[:, :, 1:], sections)
-    per_plane, planes = len(face.nodes), len(positions)
-    one_slice = np.hstack([face.cells + plane * per_plane for plane in range(3)])
-    offsets = 2 * per_plane * np.arange((planes - 1) // 2)
-    cells = (one_slice[None] + offsets[:, None, None]).reshape(-1, one_slice.shape[1])
-    first = np.arange(per_plane)
-    last = first + (planes - 1) * per_plane
+    stepped = bool(leg.steps)
+    face = (
+        common_mesh(leg_sections(leg), divisions) if stepped else section_mesh(reference, divisions)
+    )
+    planes = _planes(leg, face, None if stepped else reference, slices)
+    points, axes = leg.line.frames(planes.positions, planes.pieces)
+    nodes = points[:, None] + np.einsum("pij,pnj->pni", axes, planes.places)
     nodes[-1] += np.array([leg.line.chord, 0.0, 0.0]) - points[-1]
+    per_plane, slice_count = len(face.nodes), len(planes.sections)
+    is_filled = np.ones((slice_count, len(face.cells)), dtype=bool)
+    if stepped:
+        by_section = {section: cells_in(face, section) for section in leg_sections(leg)}
+        is_filled = np.array([by_section[section] for section in planes.sections])
+    one_slice = np.hstack([face.cells + plane * per_plane for plane in range(3)])
+    offsets = 2 * per_plane * np.arange(slice_count)
+    all_cells = (one_slice[None] + offsets[:, None, None])[is_filled]
+    used, cells = np.unique(all_cells, return_inverse=True)
+    faces, along, numbers = [], [], []
+    for plane, places in enumerate(planes.places):
+        section_cells = face.cells[is_filled[max(0, (plane - 1) // 2)]]
+        local, renumbered = np.unique(section_cells, return_inverse=True)
+        faces.append(
+            SectionMesh(places[local, 1:], renumbered.reshape(section_cells.shape), face.element)
+        )
+        along.append(places[local, 0])
+        numbers.append(np.searchsorted(used, plane * per_plane + local))
     mesh = LoftedMesh(
-        nodes=nodes.reshape(-1, 3),
-        cells=cells,
+        nodes=nodes.reshape(-1, 3)[used],
+        cells=cells.reshape(all_cells.shape),
         element="hex27",
-        root=EndFace(first, SectionMesh(sections[0], face.cells, face.element), axes[0]),
-        tip=EndFace(last, SectionMesh(sections[-1], face.cells, face.element), axes[-1]),
-        slices=(planes - 1) // 2,
+        root=EndFace(numbers[0], faces[0], axes[0]),
+        tip=EndFace(numbers[-1], faces[-1], axes[-1]),
+        slices=slice_count,
         line=leg.line,
-        positions=positions,
-        sections=sections,
+        positions=planes.positions,
+        faces=tuple(faces),
+        along=tuple(along),
+        numbers=tuple(numbers),
     )
     check(mesh, f"leg along a line ({reference.shape})")
     return mesh
 
 
-def _planes(
-    leg: LineLeg, face: SectionMesh, reference: Section, slices: int
-) -> tuple[Array, IntArray, Array]:
-    """Positions (p, in m) of the planes of nodes, their pieces (p), and their nodes (p×n×2, in m).
+class _Planes(NamedTuple):
+    """Planes of nodes along a leg: p planes and s slices, two planes for each slice and one more.
 
-    The second array contains the index of the piece of the centre line to which each plane belongs.
-    `face` is the mesh of the section `reference`, from which the n nodes of each plane are
-    stretched.
+    `positions` (p, in m along the line), `pieces` (p, indices of the pieces of the line to which
+    the planes belong), `places` (p×n×3, in m) of the n nodes of each plane in the axes of the line,
+    and `sections` (s) at the starts of the slices.
     """
-    positions, shapes = [], []
+
+    positions: Array
+    pieces: IntArray
+    places: Array
+    sections: list[Section]
+
+
+def _planes(leg: LineLeg, face: SectionMesh, reference: Section | None, slices: int) -> _Planes:
+    """Planes of nodes of a leg with about `slices` slices.
+
+    `face` is the mesh of the section `reference`, from which the nodes of each plane are stretched.
+    If `reference` is None, `face` contains all sections, and its nodes are those of each plane.
+    """
+    line = leg.line
+    rotations = _rotations(line)
+    positions, places, sections = [], [], []
     for number, span in enumerate(leg.spans):
-        count = max(1, ceil(slices * (span.end - span.start) / leg.line.length - TOGETHER))
-        shares = np.linspace(0.0, 1.0, 2 * count + 1)[0 if number == 0 else 1 :]
-        positions.append(span.start + (span.end - span.start) * shares)
-        shapes += [stretched(face.nodes, reference, span.section(share)) for share in shares]
+        count = max(1, ceil(slices * (span.end - span.start) / line.length - TOGETHER))
+        shares = np.linspace(0.0, 1.0, 2 * count + 1)
+        shapes = np.array(
+            [
+                face.nodes
+                if reference is None
+                else stretched(face.nodes, reference, span.section(share))
+                for share in shares
+            ]
+        )
+        shapes = shapes @ rotations[_piece_of(line, span)].T
+        first, last = (
+            shape @ mitre
+            for shape, mitre in zip(shapes[[0, -1]], _span_mitres(line, span), strict=True)
+        )
+        turning = _turning_slices(span, count) / count
+        weights = np.clip(1.0 - np.array([shares, 1.0 - shares]) / turning, 0.0, 1.0)
+        along = np.outer(weights[0], first) + np.outer(weights[1], last)
+        # The first plane of a span is the last one of the span before.
+        kept = slice(0 if number == 0 else 1, None)
+        positions.append(span.start + (span.end - span.start) * shares[kept])
+        places.append(np.concatenate([along[:, :, None], shapes], axis=2)[kept])
+        sections += [span.first] * count
     planes = np.concatenate(positions)
-    # A plane between two pieces belongs to the one before it, which meets the next one smoothly.
-    pieces = np.searchsorted(leg.line.ends, planes, side="left") - 1
-    return planes, np.clip(pieces, 0, len(leg.line.pieces) - 1), np.array(shapes)
+    # A plane between two pieces belongs to the one before it, which meets the next one smoothly or
+    # at a mitre.
+    pieces = np.searchsorted(line.ends, planes, side="left") - 1
+    pieces = np.clip(pieces, 0, len(line.pieces) - 1)
+    return _Planes(planes, pieces, np.concatenate(places), sections)
+
+
+def _piece_of(line: CentreLine, span: Span) -> int:
+    """Index of the piece of a line that contains a span."""
+    return int(line.piece_at(np.array([0.5 * (span.start + span.end)]))[0])
+
+
+def _span_mitres(line: CentreLine, span: Span) -> Array:
+    """Slopes (2×2) along y and z of the planes at the start and at the end of a span.
+
+    A point (y, z) of the section there is moved along the line by the scalar product of (y, z) and
+    the slopes. They are zero if the plane is normal to the line.
+    """
+    slopes = np.zeros((2, 2))
+    slack, piece = TOGETHER * line.length, _piece_of(line, span)
+    if piece in line.turns and span.start - line.ends[piece] <= slack:
+        slopes[0] = line.mitre(piece)[1]
+    if piece + 1 in line.turns and line.ends[piece + 1] - span.end <= slack:
+        slopes[1] = line.mitre(piece + 1)[0]
+    return slopes
+
+
+def _turning_slices(span: Span, count: int) -> int:
+    """Number of the `count` slices of a span over which planes turn from a mitre to the normal.
+
+    In a taper these are all slices: fibres are straight only if planes turn evenly.
+    """
+    if span.first != span.last:
+        return count
+    length = _TURNING * max(span.first.extent)
+    return min(count, ceil(count * length / (span.end - span.start) - TOGETHER))
+
+
+def _rotations(line: CentreLine) -> Array:
+    """Rotations (p×2×2) of the section's mesh in the axes of the p pieces of a line.
+
+    At a corner, the mesh is mirrored in the plane of the mitre. The axes of the sections are the
+    mirror image, too, if `up` lies in this plane or in that of the corner.
+    """
+    rotations = np.tile(np.eye(2), (len(line.pieces), 1, 1))
+    for number in line.turns:
+        before, after = line.corner_axes(number)
+        normal = before[:, 0] + after[:, 0]
+        mirror = np.eye(3) - 2.0 * np.outer(normal, normal) / float(normal @ normal)
+        rotations[number:] = after[:, 1:].T @ mirror @ before[:, 1:] @ rotations[number - 1]
+    return rotations
+
+
+def _why_no_mitre(leg: LineLeg) -> str:
+    """Reason why a corner of a leg's line has no mitre that could be meshed. "" if all have one."""
+    line, rotations = leg.line, _rotations(leg.line)
+    turnable = is_round(leg.stations[0][1])
+    for number in line.turns:
+        place = f"the corner at {line.ends[number]:.4g} m along the line"
+        if np.isfinite([line.pieces[number - 1].radius, line.pieces[number].radius]).any():
+            return f"{place} ends an arc, which has no mitre: give a straight piece between them"
+        if not turnable and np.abs(rotations[number] - np.eye(2)).max() > _SAME_AXES:
+            return (
+                f"the outlines of the sections do not meet at {place}, because `up` is neither in "
+                "its plane nor in the plane that bisects it: give an arc, or use a CAD part"
+            )
+    for span in leg.spans:
+        slopes = np.abs(_span_mitres(line, span))
+        reach = [
+            0.5 * float(slope @ section.extent)
+            for slope, section in zip(slopes, (span.first, span.last), strict=True)
+        ]
+        if sum(reach) >= span.end - span.start or max(reach) >= _LARGEST_REACH * max(
+            span.first.extent
+        ):
+            return (
+                f"the mitres of corners are longer than the inner side of the line between "
+                f"{span.start:.4g} m and {span.end:.4g} m: give an arc, or use a CAD part"
+            )
+    return ""
 
 
 def stretched(nodes: Array, reference: Section, section: Section) -> Array:
@@ -172,36 +325,7 @@ def stretched(nodes: Array, reference: Section, section: Section) -> Array:
         new = new_rims[0] + (radii - rims[0]) * (new_rims[1] - new_rims[0]) / (rims[1] - rims[0])
         factors = np.divide(new, radii, out=np.zeros_like(radii), where=radii > 0.0)
         return np.asarray(nodes * factors[:, None])
-    lines, new_lines = _lines(reference), _lines(section)
+    lines, new_lines = section_lines(reference), section_lines(section)
     return np.column_stack(
         [np.interp(nodes[:, k], lines[k], new_lines[k]) for k in range(nodes.shape[1])]
-    )
-
-
-def _lines(section: Section) -> tuple[Array, Array]:
-    """Coordinates y and z (ascending) of the lines on which the edges of a section lie.
-
-    All edges of the section are parallel to y or to z.
-    """
-    match section:
-        case Rectangle():
-            y, z = [section.width / 2.0], [section.height / 2.0]
-        case HollowRectangle():
-            y = [section.width / 2.0 - section.thickness, section.width / 2.0]
-            z = [section.height / 2.0 - section.thickness, section.height / 2.0]
-        case ISection():
-            y = [section.web / 2.0, section.width / 2.0]
-            z = [section.height / 2.0 - section.flange, section.height / 2.0]
-        case OutlinedSection():
-            corners = np.vstack(section.centred_loops)
-            gap = _SAME_LINE * max(section.extent)
-            first, second = (
-                values[np.r_[True, np.diff(values) > gap]] for values in np.sort(corners, axis=0).T
-            )
-            return first, second
-        case _:
-            raise InputError(f"{section.shape}: a tapered section of this shape has no mesh")
-    return (
-        np.array([*(-value for value in reversed(y)), *y]),
-        np.array([*(-value for value in reversed(z)), *z]),
     )

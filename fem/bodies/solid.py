@@ -1,15 +1,15 @@
 """One prismatic leg as a solid: mesh, stiffness and mass, compliance, modes, leg matrices."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import ceil
 
 import numpy as np
-from scipy.sparse import block_diag, csr_array, eye_array, kron
+from scipy.sparse import csr_array, eye_array, kron, vstack
 
 from fem.bodies.rooted import RootedBody, rooted_body
 from fem.couplings.coupled_solid import CoupledSolid, coupled_solid
-from fem.couplings.grips import Grip, rigid_motions, saint_venant_loads
+from fem.couplings.grips import Grip, rigid_motions, saint_venant_loads, unknowns
 from fem.elasticity import (
     anisotropic_stiffness_and_mass,
     composite_stiffness_and_mass,
@@ -240,22 +240,31 @@ def section_twists(mesh: SolidMesh, stations_x: Array) -> SparseMatrix:
     )
     if isinstance(mesh, LoftedMesh):
         return csr_array(kron(interpolation, eye_array(6), format="csr") @ _plane_twists(mesh))
-    return csr_array(kron(interpolation, csr_array(_section_twist(mesh.root.mesh)), format="csr"))
+    face = mesh.root.mesh
+    section_twist = csr_array(_section_twist(face, np.zeros(len(face.nodes))))
+    return csr_array(kron(interpolation, section_twist, format="csr"))
 
 
 def _plane_twists(mesh: LoftedMesh) -> SparseMatrix:
     """Matrix (csr 6p × 3N, leg axes) from nodal displacements to the twists of p node planes."""
     pieces = np.searchsorted(mesh.line.ends, mesh.positions, side="left") - 1
     _, axes = mesh.line.frames(mesh.positions, np.clip(pieces, 0, len(mesh.line.pieces) - 1))
-    blocks = []
-    for nodes, frame in zip(mesh.sections, axes, strict=True):
-        local = _section_twist(replace(mesh.root.mesh, nodes=nodes)).reshape(6, -1, 3)
-        blocks.append(turn(frame) @ (local @ frame.T).reshape(6, -1))
-    return csr_array(block_diag(blocks, format="csr"))
+    planes = []
+    for face, along, numbers, frame in zip(mesh.faces, mesh.along, mesh.numbers, axes, strict=True):
+        local = _section_twist(face, along).reshape(6, -1, 3)
+        twists = (turn(frame) @ (local @ frame.T).reshape(6, -1)).ravel()
+        columns = np.tile(unknowns(numbers), 6)
+        rows = np.repeat(np.arange(6), 3 * len(numbers))
+        planes.append(csr_array((twists, (rows, columns)), shape=(6, mesh.nodes.size)))
+    return csr_array(vstack(planes, format="csr"))
 
 
-def _section_twist(mesh: SectionMesh) -> Array:
-    """Matrix (6 × 3n) from the displacements of a section's n nodes to its twist at y = z = 0."""
+def _section_twist(mesh: SectionMesh, along: Array) -> Array:
+    """Matrix (6 × 3n) from the displacements of a section's n nodes to its twist at y = z = 0.
+
+    `along` (n, in m) are the coordinates x of the nodes. They differ from zero if the plane of the
+    nodes is inclined to the leg's line, as at a mitre.
+    """
     quad = section_quadrature(mesh)
     y, z = quad.points
     mean = quad.load(np.ones_like(y))
@@ -268,5 +277,5 @@ def _section_twist(mesh: SectionMesh) -> Array:
     rows = twist.reshape(6, -1)
     # The moments of the six rigid motions are area and moments of area. After division by these, a
     # rigid motion has exactly its own twist.
-    points = np.column_stack([np.zeros(len(mesh.nodes)), mesh.nodes])
+    points = np.column_stack([along, mesh.nodes])
     return np.asarray(np.linalg.solve(rows @ rigid_motions(points, np.zeros(3)), rows))

@@ -1,12 +1,17 @@
 """Solid meshes of legs along a line: volume, walls and ends; legs that cannot be meshed."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
+from fem.bodies.solid import section_twists
+from fem.couplings.grips import rigid_motions
 from fem.elasticity import stiffness_and_mass
 from lumped.centre_line import CentreLine, LinePiece
 from lumped.errors import InputError
 from lumped.legs import LineLeg, Material
+from lumped.screws import shift
 from lumped.sections import (
     Channel,
     Circle,
@@ -26,6 +31,22 @@ ARC = CentreLine((LinePiece((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.5, 0.3, 0.0)),)
 BENT = CentreLine(
     (LinePiece((0.0, 0.0, 0.0), (0.5, 0.2, 0.0)), LinePiece((0.5, 0.2, 0.0), (1.0, 0.0, 0.0))), UP
 )
+ARC_TO_CORNER = CentreLine(
+    (
+        LinePiece((0.0, 0.0, 0.0), (0.6, 0.0, 0.0), (0.3, 0.06, 0.0)),
+        LinePiece((0.6, 0.0, 0.0), (1.0, 0.0, 0.0)),
+    ),
+    UP,
+)
+LEANING = CentreLine(BENT.pieces, (0.5, 1.0, 1.0))
+SHORT = CentreLine(
+    (
+        LinePiece((0.0, 0.0, 0.0), (0.0, 0.5, 0.0)),
+        LinePiece((0.0, 0.5, 0.0), (0.05, 0.5, 0.0)),
+        LinePiece((0.05, 0.5, 0.0), (0.05, 0.0, 0.0)),
+    ),
+    UP,
+)
 TAPERS = {
     "rectangle": (Rectangle(0.10, 0.06), Rectangle(0.05, 0.08)),
     "hollow-rectangle": (HollowRectangle(0.10, 0.08, 0.008), HollowRectangle(0.06, 0.08, 0.004)),
@@ -36,6 +57,12 @@ TAPERS = {
 
 def tapered(line, first, last, material=STEEL):
     return LineLeg(line, ((0.0, first), (line.length, last)), material)
+
+
+def stepped(first, second, last=None):
+    """Return a straight leg with a step at 0.4 m, and a taper to `last` beyond it."""
+    stations = ((0.0, first), (0.4, first), (0.4, second), (1.0, last or second))
+    return LineLeg(STRAIGHT, stations, STEEL)
 
 
 @pytest.mark.parametrize("shape", TAPERS)
@@ -86,17 +113,82 @@ def test_arc_mesh_has_volume_and_plane_ends():
     assert mesh.length == 1.0
 
 
-def test_unmeshable_tapered_leg_is_refused():
+@pytest.mark.parametrize("shape", [*TAPERS, "tube"])
+def test_mitred_leg_passes_patch_test(shape):
+    """Mitres cut as much off one side as they add on the other, and elements are conforming.
+
+    A linear displacement has the energy of its constant stresses in the volume of the leg. The tube
+    turns out of the plane of its first corner, with `up` inclined to both planes.
+    """
+    section, line, divisions = TAPERS.get(shape, (None,))[0], BENT, 1
+    if shape == "tube":
+        section, divisions = Tube(0.06, 0.01), 4
+        points = [(0.0, 0.0, 0.0), (0.4, 0.2, 0.0), (0.6, 0.0, 0.3), (1.0, 0.0, 0.0)]
+        pieces = tuple(LinePiece(*ends) for ends in pairwise(points))
+        line = CentreLine(pieces, (0.2, 0.3, 1.0))
+    leg = LineLeg(line, ((0.0, section), (line.length, section)), STEEL)
+    # The cross-section of a tube is that of its mesh.
+    assert_patch(leg, divisions, 3e-3 if shape == "tube" else 1e-10)
+
+
+STEPS = {
+    "overlapping rectangles": (Rectangle(0.08, 0.06), Rectangle(0.06, 0.08), 2),
+    "box onto solid": (HollowRectangle(0.08, 0.08, 0.008), Rectangle(0.06, 0.06), 2),
+    "I onto channel": (ISection(0.08, 0.1, 0.008, 0.006), Channel(0.05, 0.1, 0.008, 0.006), 2),
+    "tube onto circle": (Tube(0.06, 0.01), Circle(0.05), 4),
+    "tubes": (Tube(0.06, 0.01), Tube(0.05, 0.01), 4),
+}
+
+
+@pytest.mark.parametrize("step", STEPS)
+def test_stepped_leg_passes_patch_test(step):
+    """Both sides of a step have common nodes; each section has its own area.
+
+    The ends are the sections' meshes, and twists of sections are those of rigid motions.
+    """
+    first, second, divisions = STEPS[step]
+    leg = stepped(first, second)
+    mesh = assert_patch(leg, divisions, 1e-3 if isinstance(first, Tube) else 1e-10)
+    for face, section in ((mesh.root, first), (mesh.tip, second)):
+        assert np.ptp(face.mesh.nodes, axis=0) == pytest.approx(section.extent, rel=1e-9)
+    motions = section_twists(mesh, mesh.positions) @ rigid_motions(mesh.nodes, np.zeros(3))
+    points, _ = mesh.line.frames(mesh.positions)
+    assert motions == pytest.approx(shift(points).reshape(-1, 6), abs=1e-10)
+
+
+def assert_patch(leg, divisions, mass_error):
+    """Assert that a linear displacement has the energy of its constant stresses. Return the mesh.
+
+    `mass_error` is the relative error of the mass of the mesh.
+    """
+    mesh = loft(leg, divisions, 6)
+    stiffness, mass = stiffness_and_mass(mesh, STEEL)
+    volume = mass.sum() / STEEL.rho
+    assert volume * STEEL.rho == pytest.approx(leg.mass, rel=mass_error)
+    gradient = np.array([[1.0, 0.3, -0.2], [0.5, -0.4, 0.7], [0.1, 0.2, 0.6]])
+    displacement = (mesh.nodes @ gradient.T).ravel()
+    strain = 0.5 * (gradient + gradient.T)
+    lame = STEEL.E * STEEL.nu / ((1.0 + STEEL.nu) * (1.0 - 2.0 * STEEL.nu))
+    density = lame * np.trace(strain) ** 2 + 2.0 * STEEL.G * (strain**2).sum()
+    energy = float(displacement @ (stiffness @ displacement))
+    assert energy == pytest.approx(volume * density, rel=1e-9)
+    return mesh
+
+
+def test_unmeshable_leg_along_line_is_refused():
     """Section by constants, corners, jumps, and a tapered polygon, each with its reason."""
     square, small = Rectangle(0.06, 0.06), Rectangle(0.04, 0.04)
     constants = SectionProperties(1e-3, 1e-7, 1e-7, 1e-7)
-    stepped = LineLeg(STRAIGHT, ((0.0, square), (0.4, square), (0.4, small), (1.0, small)), STEEL)
     cubic = Material(E=2.1e11, G=9e10, nu=0.3, rho=7850.0)
     triangle = [Polygon(((0.0, 0.0), (size, 0.0), (0.0, size))) for size in (0.06, 0.05)]
     reasons = {
         "no shape": tapered(STRAIGHT, constants, constants),
-        "corners (at 0.5385 m along it)": tapered(BENT, square, square),
-        "jumps at 0.4 m": stepped,
+        "the corner at 0.6159 m along the line ends an arc": tapered(ARC_TO_CORNER, square, square),
+        "`up` is neither in its plane nor in the plane that": tapered(LEANING, square, square),
+        "mitres of corners are longer than": tapered(SHORT, square, square),
+        "steps and tapers has no mesh": stepped(square, small, Rectangle(0.04, 0.03)),
+        "a step between rectangle, circle has no mesh": stepped(square, Circle(0.05)),
+        "a step between rectangle, polygon has no mesh: not all": stepped(square, triangle[0]),
         "independent G": tapered(ARC, square, square, cubic),
         "tapered polygon": tapered(STRAIGHT, *triangle),
     }

@@ -1,13 +1,15 @@
-"""Cases on single tapered or curved legs, root clamped: beams, segments and links against solids.
+"""Cases on single legs along a line, root clamped: beams, segments and links against solids.
 
-Input: a straight leg whose section varies, or an arc. Output: a verdict for each model on tip
-motions and frequencies. The solid is the same taper or arc in quadratic hexahedra, with the end
-condition of the robot file. Four causes of a difference are computed separately:
+Input: a leg whose section varies, or whose line has arcs or corners. Output: a verdict for each
+model on tip motions and frequencies. The solid is the same leg in quadratic hexahedra, with the end
+condition of the robot file. Five causes of a difference are computed separately:
 - rigid end faces, by the same solid with free ends;
 - distortion of the section, because walls converge in torsion (`fem.beams.box_distortion`) and in
   vibration (`line_distortion`);
 - bending of walls at kinks, where tapers begin or end (`fem.beams.kinked_walls`): only an upper
   bound is known, so that half of it is the cause, and half of it a half-width;
+- corners and steps, by a solid of each alone, and corners by the mass beside the line
+  (`validation.references.corners_and_steps`);
 - section constants by textbook formulas along the line.
 
 The remainder is the difference between the solid with free ends and a beam with section constants
@@ -20,7 +22,6 @@ height of the section over the radius of an arc.
 """
 
 from collections.abc import Callable
-from dataclasses import replace
 
 import numpy as np
 
@@ -39,8 +40,8 @@ from lumped.mechanism.mechanism import Mechanism
 from lumped.memo import memo
 from lumped.model_choices import Ends
 from lumped.models.bodies import clamped_modes, legs_of
-from meshes.loft import mesh_section, stretched
-from meshes.section.section_mesh import SectionMesh, section_mesh
+from meshes.loft import solid_section
+from meshes.section.section_mesh import SectionMesh
 from validation.case import Allowance, Measurement, Relative, Skip
 from validation.comparisons.agreement_cases import (
     DISTORTION,
@@ -56,6 +57,7 @@ from validation.comparisons.section_formulas import mesh_formula_band
 from validation.context import Context
 from validation.models.leg_models import leg_compliance, leg_frequencies
 from validation.models.options import ModelName, ModelOptions
+from validation.references.corners_and_steps import SOURCE, frequency_changes, tip_changes
 from validation.references.reference_legs import (
     line_divisions,
     require_line_solid,
@@ -145,16 +147,28 @@ def _motion(
     soft, stiff = (bound[diagonal] for bound in context.get(_formula_tips, leg, divisions[1]))
     walls = [context.get(_wall_distortion, leg, n) for n in divisions]
     coarse_walls, fine_walls = walls if entry == _TORSION else (0.0, 0.0)
+    coarse_jumps, fine_jumps = (
+        {
+            cause: float(change[diagonal])
+            for cause, change in context.get(tip_changes, leg, n).items()
+        }
+        for n in divisions
+    )
     # What kinks add to the compliance lies between zero and an upper bound.
     kinks = 0.5 * float(kink_compliances(leg)[entry])
     return Measurement(
         float(leg_compliance(model, leg, _options(limits))[diagonal]),
         float(fine),
-        reference_uncertainty=slowest(meshes.ratio).half_width(fine - coarse),
+        reference_uncertainty=slowest(meshes.ratio, [leg]).half_width(fine - coarse),
         judged_uncertainty=kinks
         + free.half_width(
-            (meshes.fine["free"][diagonal] - computed - fine_walls)
-            - (meshes.coarse["free"][diagonal] - on_coarse - coarse_walls)
+            (meshes.fine["free"][diagonal] - computed - fine_walls - sum(fine_jumps.values()))
+            - (
+                meshes.coarse["free"][diagonal]
+                - on_coarse
+                - coarse_walls
+                - sum(coarse_jumps.values())
+            )
         ),
         allowances=(
             Allowance(HELD_FACES, -float(restraint), _HELD_SOURCE),
@@ -163,6 +177,7 @@ def _motion(
                 theory, computed, (stiff, soft), free.half_width(computed - on_coarse)
             ),
             *((Allowance(_KINKED_WALLS, -kinks, _KINKS_SOURCE),) if kinks else ()),
+            *(Allowance(cause, -change, SOURCE) for cause, change in fine_jumps.items()),
         ),
     )
 
@@ -173,9 +188,7 @@ def _on_solid_mesh(leg: LineLeg, divisions: int) -> Callable[[ConstantLeg], Sect
     `divisions` are the elements across the section. The argument of the function is a prism with
     the section of the leg at one position.
     """
-    reference = mesh_section(leg)
-    face = section_mesh(reference, divisions)
-    return lambda prism: replace(face, nodes=stretched(face.nodes, reference, prism.section))
+    return lambda prism: solid_section(leg, prism.section, divisions)
 
 
 def _computed(leg: LineLeg, divisions: int) -> LineSections:
@@ -266,20 +279,31 @@ def _frequency(
         raise Skip(f"no mode of the solid has the shape of mode {index + 1} of the beam")
     on_coarse, computed = (context.get(_computed_frequencies, leg, n)[index] for n in meshes)
     change = context.get(_distortion, leg, meshes[1], index)
+    coarse_jumps, fine_jumps = (
+        {
+            cause: float(frequency) * relative
+            for cause, relative in frequency_changes(leg, _computed_beam(leg, n), index, n).items()
+        }
+        for n, frequency in zip(meshes, (on_coarse, computed), strict=True)
+    )
     theory = leg_frequencies("beam", leg, index + 1, ModelOptions(elements=ELEMENTS))[index]
     soft, stiff = (bound[index] for bound in context.get(_formula_frequencies, leg, meshes[1]))
     value = leg_frequencies(model, leg, index + 1, _options(limits))[index]
     return Measurement(
         float(value),
         float(fine),
-        reference_uncertainty=slowest(ratio).half_width(fine - coarse),
-        judged_uncertainty=policy.half_width((free - computed) - (coarse_free - on_coarse)),
+        reference_uncertainty=slowest(ratio, [leg]).half_width(fine - coarse),
+        judged_uncertainty=policy.half_width(
+            (free - computed - sum(fine_jumps.values()))
+            - (coarse_free - on_coarse - sum(coarse_jumps.values()))
+        ),
         allowances=(
             Allowance(HELD_FACES, float(free - fine), _HELD_SOURCE),
             Allowance(DISTORTION, -float(computed) * change, _WAVES_SOURCE),
             formula_allowance(
                 theory, computed, (soft, stiff), policy.half_width(computed - on_coarse)
             ),
+            *(Allowance(cause, -change, SOURCE) for cause, change in fine_jumps.items()),
         ),
     )
 

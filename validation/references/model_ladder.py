@@ -17,7 +17,7 @@ import numpy as np
 
 from lumped.arrays import Array
 from lumped.equivalent_leg import equivalent_leg
-from lumped.legs import Leg, given_compliance
+from lumped.legs import Leg, LineLeg, given_compliance
 from lumped.mechanism.mechanism import Posture
 from lumped.model_choices import Ends, PartLegs
 from lumped.models import serial_chains
@@ -30,6 +30,7 @@ from validation.models.loads.displacements import (
 )
 from validation.models.options import ModelName, ModelOptions
 from validation.models.robot_models import answers
+from validation.references.corners_and_steps import tip_changes
 from validation.references.modes_on_path import (
     COMPUTED_SECTIONS,
     computed_beam_vibration,
@@ -41,6 +42,7 @@ from validation.references.reference import Remedy, Step
 from validation.references.reference_legs import (
     SECTION_DIVISIONS,
     computed_spring,
+    line_divisions,
     restrained_spring,
     shares_section,
     solid_tip,
@@ -173,6 +175,15 @@ def _straight(_context: Context, leg: Leg, _ends: Ends) -> Array:
     return straight_spring(leg)
 
 
+def _with_jumps(context: Context, leg: Leg, ends: Ends) -> Array:
+    spring = restrained_spring(context, leg, ends)
+    if isinstance(leg, LineLeg):
+        divisions = line_divisions(context.meshes, leg)[1]
+        for change in context.get(tip_changes, leg, divisions).values():
+            spring = spring + change
+    return spring
+
+
 def _computed_modes(robot: RobotOnPath, reading: Reading) -> PathModes:
     return _beam_modes(robot, None, reading)
 
@@ -227,6 +238,10 @@ RESTRAINED = Model(
     "restrained contraction",
     statics=partial(_spring_statics, restrained_spring),
     static_fields=("ends",),
+)
+# The same beams, with the compliance of a solid at corners and steps.
+WITH_JUMPS = Model(
+    "corners and steps", statics=partial(_spring_statics, _with_jumps), static_fields=("ends",)
 )
 # Three models with one tip compliance per leg: the 6×6 of the file; this 6×6 with only the entries
 # that a straight prismatic leg has; the 6×6 of the equivalent prism.

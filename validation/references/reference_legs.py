@@ -34,6 +34,7 @@ from validation.solids.leg_meshes import (
     DIVISIONS,
     WALL_DIVISIONS,
     has_meshes,
+    line_order,
     mesh_pair,
     section_of,
     static_divisions,
@@ -49,9 +50,9 @@ UNKNOWNS: dict[Preset, tuple[int, int]] = {
     "standard": (900, 2500),
     "fine": (2000, 5000),
 }
-# Slowest possible convergence: stresses are singular at edges of rigid end faces and at inward
-# corners of sections. No energy converges more slowly than with this power of the element size (M.
-# L. Williams, J. Appl. Mech. 19 (1952) 526).
+# Slowest possible convergence of prisms, tapers and arcs: stresses are singular at edges of rigid
+# end faces and at inward corners of sections. No energy converges more slowly than with this power
+# of the element size (M. L. Williams, J. Appl. Mech. 19 (1952) 526).
 SLOWEST_ORDER = 4.0 / 3.0
 # Elements across a wall or side for the section constants of all computations other than mesh
 # studies.
@@ -61,9 +62,13 @@ SECTION_DIVISIONS = 8
 SECTION_RATIO = COARSEST_WALLS / SECTION_DIVISIONS
 
 
-def slowest(ratio: float) -> MeshPolicy:
-    """Mesh policy for two meshes with this `ratio` of element sizes, by order `SLOWEST_ORDER`."""
-    return MeshPolicy.of_order(ratio, SLOWEST_ORDER)
+def slowest(ratio: float, legs: Iterable[SectionedLeg] = ()) -> MeshPolicy:
+    """Mesh policy for two meshes of `legs` with this `ratio` of element sizes.
+
+    The order is `SLOWEST_ORDER`, or the lower one at corners of the legs' lines.
+    """
+    orders = [line_order(leg) for leg in legs]
+    return MeshPolicy.of_order(ratio, min([SLOWEST_ORDER, *orders]))
 
 
 def solid_leg(context: Context, leg: SectionedLeg) -> TwoMeshes:

@@ -9,6 +9,7 @@ file.
 
 from collections.abc import Mapping, Sequence
 
+from validation.references.corners_and_steps import CORNERS, SOURCE, STEPS, has_jumps
 from validation.references.model_ladder import (
     COMPUTED_BEAMS,
     EQUIVALENT,
@@ -18,6 +19,7 @@ from validation.references.model_ladder import (
     SOLID,
     STRAIGHT,
     WARPING_BEAMS,
+    WITH_JUMPS,
     with_parts,
 )
 from validation.references.reference import (
@@ -103,6 +105,8 @@ def static_steps(robot: RobotOnPath, orders: Mapping[str, Sequence[str]]) -> Ste
         applicable |= {"diagonal", "couplings"}
     if robot.prisms:
         applicable |= set(TO_SOLIDS)
+    if not any(has_jumps(leg) for leg in robot.prisms):
+        applicable.discard("jumps")
     return steps_by_model(orders, steps, applicable)
 
 
@@ -154,10 +158,11 @@ def all_static_steps(static_model: str, equivalent: Model) -> dict[str, Step]:
             "fem.couplings.end_effects, exact along the leg",
             RESTRAINED,
         ),
+        "jumps": Step(f"{CORNERS}, {STEPS}", SOURCE, WITH_JUMPS),
     }
 
 
 # Names of steps in `all_static_steps`: from textbook section constants to solids, and from the
 # equivalent prism to solids.
-TO_SOLIDS = ("own", "warping", "contraction")
+TO_SOLIDS = ("own", "warping", "contraction", "jumps")
 FROM_CONSTANT = ("diagonal", "couplings", *PART_STEPS, *TO_SOLIDS)

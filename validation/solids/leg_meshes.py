@@ -27,7 +27,7 @@ from lumped.sections import (
     Rectangle,
     Section,
 )
-from meshes.loft import mesh_section
+from meshes.loft import leg_sections, mesh_section
 from meshes.section.section_blocks import Divisions, element_length, side_ratio
 from meshes.section.section_mesh import SectionMesh, section_mesh
 from validation.context import Preset
@@ -63,21 +63,37 @@ _FEWEST_GRIDS = 2
 def section_of(leg: SectionedLeg) -> Section:
     """Section from which a leg is meshed.
 
-    It is the section of a prism, or that in the middle of a leg whose section varies.
+    It is the section of a prism, or that in the middle of a leg whose section varies. If the leg
+    has steps and some of its sections are no solid rectangles, it is the first of these.
     """
-    return mesh_section(leg) if isinstance(leg, LineLeg) else leg.section
+    if not isinstance(leg, LineLeg):
+        return leg.section
+    walled = (section for section in leg_sections(leg) if not isinstance(section, Rectangle))
+    return next(walled, mesh_section(leg)) if leg.steps else mesh_section(leg)
 
 
 def formal_order(leg: SectionedLeg, ends: Ends) -> float:
     """Lowest order with which a leg's compliances and frequencies converge."""
     section = section_of(leg)
-    corners = corner_order(section)
+    sections = leg_sections(leg) if isinstance(leg, LineLeg) else [section]
+    corners = min(line_order(leg), *(corner_order(part) for part in sections))
     if ends == "free":
         return corners
     if isinstance(section, Laminate):
         return _LAYER_EDGE_ORDER
     materials = part_materials(leg) or (leg.material,)
     return min(corners, *(edge_order(material.nu) for material in materials))
+
+
+def line_order(leg: SectionedLeg) -> float:
+    """Lowest order of convergence of energies that corners and steps of a leg cause.
+
+    It is `FORMAL_ORDER` for a leg without them.
+    """
+    if not isinstance(leg, LineLeg) or not (leg.line.turns or leg.steps):
+        return FORMAL_ORDER
+    at_steps = [0.5 * np.pi] if leg.steps else []
+    return notch_order(np.pi + max([*leg.line.turns.values(), *at_steps]))
 
 
 def corner_order(section: Section) -> float:
@@ -92,6 +108,20 @@ def corner_order(section: Section) -> float:
     if isinstance(section, OutlinedSection):
         return min(FORMAL_ORDER, 2.0 * np.pi / section.largest_angle)
     return CORNER_ORDER if isinstance(section, HollowRectangle | ISection) else FORMAL_ORDER
+
+
+def notch_order(angle: float) -> float:
+    """Order of convergence 2λ of energies at an inward edge with the `angle` (rad) of material.
+
+    Stresses vary there as r^(λ − 1) with the distance r from the edge. λ is the smallest root of
+    sin(λα) = −λ sin α with the angle α between π and 2π (M. L. Williams, J. Appl. Mech. 19 (1952)
+    526): 0.545 for 270°, ½ for a crack.
+    """
+
+    def misfit(exponent: float) -> float:
+        return float(np.sin(exponent * angle) + exponent * np.sin(angle))
+
+    return 2.0 * float(scipy.optimize.brentq(misfit, 0.5, 1.0))
 
 
 def edge_order(nu: float) -> float:

@@ -10,9 +10,9 @@ from math import ceil
 
 from lumped.equivalent_leg import sectioned_leg
 from lumped.errors import InputError
-from lumped.legs import ConstantLeg, Leg, LineLeg, SectionedLeg
+from lumped.legs import ConstantLeg, Leg, LineLeg, SectionedLeg, line_length
 from lumped.text import counted
-from meshes.loft import mesh_section, why_no_loft
+from meshes.loft import leg_sections, mesh_section, why_no_loft
 from meshes.section.section_blocks import element_length, section_blocks, sides_of
 from validation.context import PRESETS, Preset
 
@@ -27,12 +27,12 @@ def solid_unknowns(leg: SectionedLeg, divisions: int) -> float:
 
     Nodes that blocks of the section share are counted twice.
     """
-    section, length = (
-        (mesh_section(leg), leg.line.length)
-        if isinstance(leg, LineLeg)
-        else (leg.section, leg.length)
-    )
-    size = element_length(section, divisions)
+    if isinstance(leg, LineLeg):
+        sections = leg_sections(leg) if leg.steps else (mesh_section(leg),)
+    else:
+        sections = (leg.section,)
+    section, length = max(sections, key=lambda part: part.area), line_length(leg)
+    size = min(element_length(part, divisions) for part in sections)
     slices = max(2, ceil(length / size))
     try:
         blocks = section_blocks(section, divisions)

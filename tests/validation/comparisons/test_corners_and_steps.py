@@ -1,0 +1,210 @@
+"""Legs with corners and steps: difference of beam and solid, exponent and cause, wrong beams."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fem.bodies.solid import clamped_leg, section_twists, solid_leg, solid_mesh
+from fem.couplings.grips import rigid_motions
+from lumped.acceptance.requirement import DEFAULT_LIMITS
+from lumped.centre_line import CentreLine, LinePiece
+from lumped.legs import ConstantLeg, LineLeg, Material, sectioned_compliance
+from lumped.robot_file.load import robot_of
+from lumped.screws import shift
+from lumped.sections import Rectangle
+from validation.comparisons import line_leg_vs_solid
+from validation.comparisons.line_leg_vs_solid import cases, computed_tip
+from validation.context import Context
+from validation.models.leg_models import leg_compliance
+from validation.references.corners_and_steps import CORNERS, STEPS, jumps, tip_changes
+from validation.report.figures.requested import figures
+from validation.run.outcome import judge
+from validation.solids.leg_meshes import formal_order, notch_order
+
+STEEL = Material.isotropic(E=2.1e11, nu=0.3, rho=7850.0)
+SECTION = Rectangle(0.06, 0.06)
+
+
+def bent(length, degrees, section=SECTION):
+    """Return a leg of two pieces of `length` (m), the second turned by `degrees` about z."""
+    half = np.radians(degrees) / 2.0
+    chord, rise = 2.0 * length * np.cos(half), length * np.sin(half)
+    middle = (chord / 2.0, rise, 0.0)
+    pieces = LinePiece((0.0, 0.0, 0.0), middle), LinePiece(middle, (chord, 0.0, 0.0))
+    line = CentreLine(pieces, (0.0, 0.0, 1.0))
+    return LineLeg(line, ((0.0, section), (line.length, section)), STEEL, "free")
+
+
+def solid_tip(leg, divisions=1):
+    return clamped_leg(solid_leg(leg, solid_mesh(leg, divisions)), "free").compliance
+
+
+def test_flat_corner_gives_prism():
+    """A corner of 0.2° changes the solid of a prism as its beam, up to the square of the angle."""
+    leg, prism = bent(0.3, 0.2), ConstantLeg(0.6, SECTION, STEEL)
+    expected = solid_tip(prism)
+    of_beam = sectioned_compliance(leg, "timoshenko") - sectioned_compliance(prism, "timoshenko")
+    difference = solid_tip(leg) - expected - of_beam
+    sizes = np.sqrt(np.outer(np.diag(expected), np.diag(expected)))
+    # The chord lies beside the line: in tension the beam's change is 3e-4.
+    assert np.abs(np.diag(of_beam) / np.diag(expected)).max() > 2e-4
+    assert np.abs(np.diag(difference) / np.diag(expected)).max() < 1e-5
+    # Tension of the chord is coupled with bending in first order of the angle, 3.5e-3.
+    assert np.abs(difference / sizes).max() < 1e-3
+
+
+def test_difference_of_corner_falls_with_length():
+    """Beam theory is too soft in the corner by an amount that does not depend on the length.
+
+    Relative to the tip compliance it is of first order in h/L: doubling L halves it. The solid of
+    the corner alone explains more than nine tenths of it.
+    """
+    differences, rests = [], []
+    for length in (0.6, 1.2):
+        leg = bent(length, 90.0)
+        beam = computed_tip(leg, 1)
+        solid, change = solid_tip(leg), tip_changes(leg, 1)[CORNERS]
+        differences.append(np.diag(solid) / np.diag(beam) - 1.0)
+        rests.append(np.diag(solid) / np.diag(beam + change) - 1.0)
+    # Tension of the chord bends both pieces most at the corner.
+    assert -0.11 < differences[0][0] < -0.09
+    exponents = np.log2(differences[0] / differences[1])
+    assert exponents == pytest.approx(1.0, abs=0.12)
+    assert (np.abs(rests[0]) < 0.13 * np.abs(differences[0])).all()
+
+
+def test_difference_of_step_falls_with_length():
+    """A step is softer than its beam, since stresses spread into the thicker side over its height.
+
+    Doubling the length halves the relative difference: in the limit, compliances are those of two
+    prisms in series. Torsion (entry 3) is stiffer, because each side hinders the other's warping.
+    """
+    thick, thin = Rectangle(0.08, 0.06), Rectangle(0.04, 0.06)
+    others = [0, 1, 2, 4, 5]
+    differences, rests = [], []
+    for length in (0.25, 0.5):
+        line = CentreLine((LinePiece((0.0, 0.0, 0.0), (2.0 * length, 0.0, 0.0)),), (0.0, 0.0, 1.0))
+        stations = ((0.0, thick), (length, thick), (length, thin), (2.0 * length, thin))
+        leg = LineLeg(line, stations, STEEL, "free")
+        beam, solid = computed_tip(leg, 1), solid_tip(leg)
+        differences.append(np.diag(solid) / np.diag(beam) - 1.0)
+        rests.append(np.diag(solid) / np.diag(beam + tip_changes(leg, 1)[STEPS]) - 1.0)
+    assert (differences[0][others] > 0.018).all()
+    assert -0.005 < differences[0][3] < -0.002
+    assert np.log2(differences[0] / differences[1]) == pytest.approx(1.0, abs=0.12)
+    assert (np.abs(rests[0][others]) < 0.05 * differences[0][others]).all()
+
+
+def test_orders_of_corners():
+    """Williams: 0.5445 at 270°, ½ for a crack; a flat edge is regular."""
+    assert notch_order(1.5 * np.pi) == pytest.approx(2.0 * 0.5445, abs=1e-4)
+    assert notch_order(1.99 * np.pi) == pytest.approx(1.0, abs=1e-3)
+    assert formal_order(bent(0.6, 90.0), "free") == pytest.approx(1.0890, abs=1e-4)
+    assert formal_order(bent(0.6, 0.0), "free") == 4.0
+
+
+def test_short_piece_has_no_computed_corner():
+    """The stress field of the corner would reach the ends of the leg: nothing is explained."""
+    assert jumps(bent(0.11, 90.0), 1) == []
+
+
+def test_section_twist_at_mitre_is_rigid_motion():
+    """If a leg with a corner moves rigidly, the twist of each plane of nodes is that motion."""
+    mesh = solid_mesh(bent(0.4, 90.0), 1)
+    motions = section_twists(mesh, mesh.positions) @ rigid_motions(mesh.nodes, np.zeros(3))
+    points, _ = mesh.line.frames(mesh.positions)
+    assert motions == pytest.approx(shift(points).reshape(-1, 6), abs=1e-12)
+
+
+def cantilever(points, sections, **body):
+    """Return a robot of one leg along a line, clamped at A, with its tool at B."""
+    return robot_of(
+        {
+            "schema": 2,
+            "name": "frame",
+            "points": points,
+            "bodies": {
+                "frame": {
+                    "from": "A",
+                    "to": "B",
+                    "sections": sections,
+                    "material": {"E": 2.1e11, "nu": 0.3, "rho": 7850.0},
+                    "ends": "rigid",
+                    **body,
+                }
+            },
+            "joints": {"root": {"type": "fixed", "between": ["ground", "frame"], "at": "A"}},
+            "tool": {"body": "frame", "point": "B", "moves": []},
+        }
+    )
+
+
+def rectangle(at, width, height):
+    return {"at": at, "shape": "rectangle", "width": width, "height": height}
+
+
+FRAME = cantilever(
+    {"A": [0.0, 0.0, 0.0], "K": [0.4, 0.0, 0.0], "B": [0.4, 0.3, 0.0]},
+    [rectangle(at, 0.05, 0.06) for at in (0.0, 1.0)],
+    through=["K"],
+)
+STEPPED = cantilever(
+    {"A": [0.0, 0.0, 0.0], "B": [0.5, 0.0, 0.0]},
+    [rectangle(at, 0.06, 0.08) for at in (0.0, 0.4)]
+    + [rectangle(at, 0.05, 0.05) for at in (0.4, 1.0)],
+)
+
+
+def outcome_of(robot, name, preset):
+    """Return the outcome of a comparison of a robot's leg with its solid."""
+    listed = {case.id: case for case in cases(mechanism=robot.mechanism, limits=DEFAULT_LIMITS)}
+    case = listed[f"frame.agrees[{name}]"]
+    return judge(case, case.measure(Context(robot, preset)), 0.0)
+
+
+@pytest.mark.parametrize(
+    ("robot", "name", "preset", "cause", "share"),
+    [
+        (FRAME, "x", "standard", CORNERS, 0.0960),
+        (FRAME, "f3", "quick", CORNERS, 0.0017),
+        (STEPPED, "f2", "quick", STEPS, 0.0155),
+    ],
+)
+def test_corner_and_step_explain_difference(robot, name, preset, cause, share):
+    """A frame seven sections long: the corner is 10 % of x, and less than 0.1 % is left.
+
+    In f3 the mass beside the line at the corner, 1.3 %, outweighs the corner's stiffness.
+    """
+    outcome = outcome_of(robot, f"beam-solid-{name}", preset)
+    amounts = {entry.cause: entry.amount for entry in outcome.measurement.allowances}
+    reference = outcome.measurement.reference
+    assert amounts[cause] == pytest.approx(share * reference, rel=0.05)
+    assert abs(outcome.measurement.unexplained) < 1e-3 * reference
+    assert outcome.verdict == "agree"
+
+
+@pytest.mark.parametrize(
+    ("wrong", "name"),
+    [({"G": 1.1}, "z"), ({"G": 0.9}, "φx"), ({"E": 1.05}, "x"), ({"E": 1.05}, "φz")],
+)
+def test_corner_explains_no_wrong_stiffness(wrong, name, monkeypatch):
+    """A beam with J × 1.1, × 0.9 (by G) or EI × 1.05 (by E) disagrees at the frame's corner."""
+
+    def compliance(model, leg, options):
+        moduli = {key: factor * getattr(leg.material, key) for key, factor in wrong.items()}
+        wrong_leg = replace(leg, material=replace(leg.material, **moduli))
+        return leg_compliance(model, wrong_leg, options)
+
+    monkeypatch.setattr(line_leg_vs_solid, "leg_compliance", compliance)
+    assert outcome_of(FRAME, f"beam-solid-{name}", "standard").verdict == "disagree"
+
+
+def test_bent_leg_in_single_pose_has_no_force_figure():
+    """Section forces are computed for straight legs only: there would be nothing to draw."""
+    loads = [{"name": "push", "wrench": [100.0, 0.0, 0.0, 0.0, 0.0, 0.0]}]
+    names = [
+        [figure.id for figure in figures(robot_of({**robot.tables, "loads": loads}))]
+        for robot in (FRAME, STEPPED)
+    ]
+    assert names == [[], ["mechanism.forces.push"]]

@@ -1,0 +1,222 @@
+"""Corners and steps of legs along a line as solids: compliance that beam theory lacks.
+
+Input: a leg along a line with corners or steps, and the divisions of its section mesh. Output:
+changes of its tip compliance and of its frequencies as a beam, by cause. Rule: beam theory
+continues both pieces to the corner of the line, and both sections to a step. In the solid, stresses
+differ from those of beams over about the height of the section (Saint-Venant). The difference is
+therefore computed in a solid of the corner or step alone: two straight stubs of the sections there,
+loaded at their ends as in Saint-Venant's theory, less the beam of both stubs. The result is a 6×6
+compliance in the section there. It depends on these sections alone, so that an error of a model of
+the leg stays unexplained. Nothing is computed for a corner or step that is nearer than a stub to
+the next one or to an end of the leg: the difference is then flagged.
+"""
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from lumped.arrays import Array
+from lumped.centre_line import CentreLine, LinePiece, Point
+from lumped.legs import LineLeg
+from lumped.line_sections import TOGETHER, gauss_points
+from lumped.mechanism.body_model import LegMatrices
+from lumped.memo import memo
+from lumped.models.bodies import clamped_modes
+from lumped.screws import shift, turn
+from lumped.sections import Section
+from meshes.loft import solid_section
+from validation.models.leg_models import clamped_solid
+from validation.solids.solid_legs import mesh_properties
+
+# Causes of a difference between beam and solid.
+CORNERS = "corners of the line"
+STEPS = "steps of the section"
+SOURCE = "solid of each corner or step with straight stubs, less their beam"
+# Length of a stub over the largest side of its sections. In a solid section, fields decay over this
+# length to e^-8.
+_STUB = 2.0
+# Elements along the leg for the inertia forces of a mode.
+_ELEMENTS = 20
+
+
+@dataclass(frozen=True, eq=False)
+class Jump:
+    """Corner or step at `position` (m along the line) and `point` (3, in m, leg axes).
+
+    `cause` is `CORNERS` or `STEPS`. `compliance` (6×6, SI, leg axes) is the relative twist of both
+    sides, less that of beams, under a wrench that the section there transmits. `first_moment` (3,
+    in kg m, leg axes) is the first moment of the solid's mass about the point, less that of the
+    line.
+    """
+
+    cause: str
+    position: float
+    point: Array
+    compliance: Array
+    first_moment: Array
+
+
+@dataclass(frozen=True, eq=False)
+class _Place:
+    """Axes (3×3, columns, leg axes) and sections before and after a corner or step."""
+
+    position: float
+    axes: tuple[Array, Array]
+    sections: tuple[Section, Section]
+    cause: str
+
+
+def has_jumps(leg: object) -> bool:
+    """True for a leg along a line that has corners or steps."""
+    return isinstance(leg, LineLeg) and bool(leg.line.turns or leg.steps)
+
+
+@memo(16)
+def jumps(leg: LineLeg, divisions: int) -> list[Jump]:
+    """Corners and steps of a leg with their compliances, on the mesh of its solid.
+
+    `divisions` is the number of elements across the section.
+    """
+    places = _places(leg)
+    ends = [0.0, *(place.position for place in places), leg.line.length]
+    rooms = [min(b - a, c - b) for (a, b), (_, c) in pairwise(pairwise(ends))]
+    described = []
+    for place, room in zip(places, rooms, strict=True):
+        length = _STUB * max(max(section.extent) for section in place.sections)
+        if room < length * (1.0 - TOGETHER):
+            continue
+        stub, axes = _stub(leg, place, length)
+        difference = clamped_solid(stub, divisions, "free").compliance - _beam_tip(stub, divisions)
+        middle, _ = stub.line.frames(np.array([length]))
+        to_jump = turn(axes) @ shift(middle[0] - [stub.length, 0.0, 0.0])
+        point, _ = leg.line.frames(np.array([place.position]))
+        compliance, moment = to_jump @ difference @ to_jump.T, _first_moment(leg, place)
+        described.append(Jump(place.cause, place.position, point[0], compliance, moment))
+    return described
+
+
+def _places(leg: LineLeg) -> list[_Place]:
+    """Corners and steps of a leg in order from its root to its tip."""
+    line, slack = leg.line, TOGETHER * leg.line.length
+    steps = {position: (first, second) for position, first, second in leg.steps}
+    places = []
+    for number in line.turns:
+        corner = float(line.ends[number])
+        at_corner = next((x for x in steps if abs(x - corner) <= slack), None)
+        section = leg.section_at(corner)
+        sections = (section, section) if at_corner is None else steps.pop(at_corner)
+        places.append(_Place(corner, line.corner_axes(number), sections, CORNERS))
+    for position, sections in steps.items():
+        axes = line.frames(np.array([position]))[1][0]
+        places.append(_Place(position, (axes, axes), sections, STEPS))
+    return sorted(places, key=lambda place: place.position)
+
+
+def _beam_tip(stub: LineLeg, divisions: int) -> Array:
+    """Tip compliance (6×6, SI) of a stub leg as a beam, with constants on its solid's section mesh.
+
+    Beam and solid then share the errors of one section mesh.
+    """
+    return stub.sections_by(
+        lambda prism: mesh_properties(prism, solid_section(stub, prism.section, divisions))
+    ).tip_compliance
+
+
+def _first_moment(leg: LineLeg, place: _Place) -> Array:
+    """First moment of mass (3, in kg m, leg axes) about a corner. Zero for a step.
+
+    Fibres on the outside of a corner are longer than the line, those on the inside shorter, up to
+    the plane of the mitre. Only this difference is counted.
+    """
+    normal = place.axes[0][:, 0] + place.axes[1][:, 0]
+    moment = np.zeros(3)
+    for sign, axes, section in zip((1.0, -1.0), place.axes, place.sections, strict=True):
+        inertia_y, inertia_z, product = section.inertia_moments
+        slopes = -(normal @ axes)[1:] / (normal @ axes)[0]
+        across = np.array([[inertia_z, product], [product, inertia_y]]) @ slopes
+        moment += sign * axes @ np.array([0.5 * slopes @ across, *across])
+    return leg.material.rho * moment
+
+
+def _stub(leg: LineLeg, place: _Place, length: float) -> tuple[LineLeg, Array]:
+    """Corner or step of a leg between stubs of `length` (m), and the axes (3×3) of this stub leg.
+
+    The columns of the axes are in the axes of the leg.
+    """
+    before, after = (axes[:, 0] for axes in place.axes)
+    along = (before + after) / np.linalg.norm(before + after)
+    across = place.axes[0][:, 1]
+    if place.cause == CORNERS:
+        across = np.cross(np.cross(before, after), along)
+        across /= np.linalg.norm(across)
+    axes = np.column_stack([along, across, np.cross(along, across)])
+    middle, end = (_point(length * tangent @ axes) for tangent in (before, before + after))
+    line = CentreLine(
+        (LinePiece((0.0, 0.0, 0.0), middle), LinePiece(middle, (end[0], 0.0, 0.0))),
+        _point(np.array(leg.line.up) @ axes),
+    )
+    first, second = place.sections
+    stations = ((0.0, first), (length, first), (length, second), (line.length, second))
+    return LineLeg(line, stations, leg.material, "free", leg.name), axes
+
+
+def _point(vector: Array) -> Point:
+    x, y, z = vector.tolist()
+    return x, y, z
+
+
+def tip_changes(leg: LineLeg, divisions: int) -> dict[str, Array]:
+    """Change (6×6, SI) of the tip compliance of a leg due to its corners and due to its steps.
+
+    The keys are `CORNERS` and `STEPS`, if the leg has them. `divisions` is the number of elements
+    across the section.
+    """
+    tip = np.array([leg.length, 0.0, 0.0])
+    changes: dict[str, Array] = {}
+    for jump in jumps(leg, divisions):
+        to_tip = shift(tip - jump.point)
+        change = to_tip @ jump.compliance @ to_tip.T
+        changes[jump.cause] = changes.get(jump.cause, np.zeros((6, 6))) + change
+    return changes
+
+
+def frequency_changes(
+    leg: LineLeg, beam: LegMatrices, index: int, divisions: int
+) -> dict[str, float]:
+    """Relative change of frequency `index` (from 0) of the clamped `beam` due to corners and steps.
+
+    By Rayleigh's quotient: the inertia forces of the mode beyond each corner or step strain it, and
+    the mass of a corner lies beside the line. The keys are those of `tip_changes`.
+    """
+    jumps_of_leg = jumps(leg, divisions)
+    if not jumps_of_leg:
+        return {}
+    modes = clamped_modes(beam, index + 1)
+    sections = leg.sections("timoshenko")
+    edges = sections.edges(_ELEMENTS)
+    points, weights = gauss_points()
+    halves = 0.5 * np.diff(edges)
+    positions = (0.5 * (edges[1:] + edges[:-1])[:, None] + halves[:, None] * points).ravel()
+    field = sections.along(edges)
+    places, masses = field.points.reshape(-1, 3), field.mass.reshape(-1, 6, 6)
+    twists = (beam.centreline(positions) @ modes.shapes[:, index]).reshape(-1, 6)
+    momenta = np.einsum("nij,nj,n->ni", masses, twists, np.outer(halves, weights).ravel())
+    angular = (2.0 * np.pi * modes.frequencies[index]) ** 2
+    mass = float((momenta * twists).sum())
+    works: dict[str, float] = {}
+    masses_beside: dict[str, float] = {}
+    for jump in jumps_of_leg:
+        beyond = positions > jump.position
+        levers = shift(places[beyond] - jump.point)
+        wrench = angular * np.einsum("nji,nj->i", levers, momenta[beyond])
+        work = float(wrench @ jump.compliance @ wrench) / (angular * mass)
+        at_jump = beam.centreline(np.array([jump.position])) @ modes.shapes[:, index]
+        translation, rotation = np.split(at_jump, 2)
+        moved = 2.0 * float(translation @ np.cross(rotation, jump.first_moment)) / mass
+        works[jump.cause] = works.get(jump.cause, 0.0) + work
+        masses_beside[jump.cause] = masses_beside.get(jump.cause, 0.0) + moved
+    return {
+        cause: float(((1.0 + work) * (1.0 + masses_beside[cause])) ** -0.5 - 1.0)
+        for cause, work in works.items()
+    }
