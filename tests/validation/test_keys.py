@@ -10,7 +10,7 @@ import os
 import runpy
 import shutil
 from collections.abc import Iterator
-from dataclasses import replace
+from dataclasses import fields, replace
 from functools import partial
 from itertools import product
 from pathlib import Path
@@ -43,7 +43,7 @@ from validation.run.executor import in_turn
 from validation.run.folder import mark_of
 from validation.validate import Request
 from validation.variations import curves as CURVES  # noqa: N812
-from validation.variations.curves import VariedRobot, computed
+from validation.variations.curves import VariedModels, VariedRobot, computed
 
 ROOT = Path(__file__).parents[2]
 EXAMPLES = ROOT / "examples"
@@ -90,14 +90,14 @@ def test_cache_key_has_every_input_field(inputs):
 
 def test_cache_key_includes_source_code(monkeypatch):
     """Other sources, another key."""
-    keys = set()
+    keys, names = set(), [field.name for field in fields(VariedModels)]
     for letter in "ab":
         monkeypatch.setattr(CURVES, "program", lambda letter=letter: letter)
         monkeypatch.setattr(
-            stored_results, "find", lambda key: keys.add(key) or {"number": np.ones(())}
+            stored_results, "find", lambda key: keys.add(key) or dict.fromkeys(names, np.ones(()))
         )
         forget()
-        computed([varied("five-bar")], lambda number: number, pytest.fail, "asking")
+        computed([varied("five-bar")], pytest.fail, "varying")
     forget()
     assert len(keys) == 2
 

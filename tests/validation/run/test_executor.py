@@ -6,7 +6,6 @@ import subprocess
 import sys
 import time
 from contextlib import closing
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
@@ -20,35 +19,30 @@ from fem.machine import ONE_BLAS_THREAD
 from lumped.errors import ComputationError, InputError
 from lumped.robot_file import load_robot
 from meshes.processes import Crashed
+from validation.run.cache import key_of
 from validation.run.executor import in_turn, on_cores
-from validation.variations.curves import computed
+from validation.run.stored_results import stored_arrays
 
 ROOT = Path(__file__).resolve().parents[3]
 
 
-@dataclass(frozen=True, eq=False)
-class Powers:
-    """Made-up result of a unit of work: an array and a number."""
-
-    powers: np.ndarray
-    total: float
+def powers_of(base):
+    """Arrays of a made-up result: the first four powers of a base, and their sum."""
+    powers = base ** np.arange(4)
+    return {"powers": powers, "total": powers.sum()}
 
 
-@dataclass(frozen=True)
-class Unit:
-    """Unit of work that computes the first four powers of a base."""
-
-    base: float
-
-    def compute(self):
-        powers = self.base ** np.arange(4)
-        return Powers(powers, float(powers.sum()))
+def computed(bases, executor):
+    """Arrays of the powers of each base, stored in the cache."""
+    tasks = {key_of("powers", base): partial(powers_of, base) for base in bases}
+    arrays = stored_arrays(tasks, ("powers", "total"), executor)
+    return [arrays[key_of("powers", base)] for base in bases]
 
 
 def test_finished_calls_are_computed_once(tmp_path, monkeypatch):
     """After an interruption only the missing calls are computed, in any order."""
     monkeypatch.setenv("FLEXPROOF_CACHE", str(tmp_path))
-    units = [Unit(base) for base in (2.0, 3.0, 2.0, 5.0)]
+    bases = (2.0, 3.0, 2.0, 5.0)
 
     def interrupted(works):
         yield 1, works[1]()
@@ -59,19 +53,19 @@ def test_finished_calls_are_computed_once(tmp_path, monkeypatch):
         yield from reversed(list(in_turn(works)))
 
     with pytest.raises(KeyboardInterrupt):
-        computed(units, Powers, interrupted, "raising")
+        computed(bases, interrupted)
     for executor in (backwards, pytest.fail):
         forget()
-        powers = computed(units, Powers, executor, "raising")
-        assert [power.total for power in powers] == [15.0, 40.0, 15.0, 156.0]
-        assert_array_equal(powers[1].powers, [1.0, 3.0, 9.0, 27.0])
+        powers = computed(bases, executor)
+        assert [power["total"] for power in powers] == [15.0, 40.0, 15.0, 156.0]
+        assert_array_equal(powers[1]["powers"], [1.0, 3.0, 9.0, 27.0])
 
 
 def test_results_are_computed_without_cache(monkeypatch):
     """200 results with FLEXPROOF_CACHE=off."""
     monkeypatch.setenv("FLEXPROOF_CACHE", "off")
-    powers = computed([Unit(float(base)) for base in range(200)], Powers, in_turn, "raising")
-    assert [power.powers[1] for power in powers] == list(range(200))
+    powers = computed([float(base) for base in range(200)], in_turn)
+    assert [power["powers"][1] for power in powers] == list(range(200))
 
 
 SCRIPT = """
