@@ -18,8 +18,8 @@ RESULTS = [n for n in fp.__all__ if inspect.isclass(vars(fp)[n]) and vars(fp)[n]
 # Members that other modules of the project call; the API reference leaves them out.
 INTERNAL = {
     "ConvergenceStudy": {
-        *("chart", "column", "panel", "picture", "record", "short_summary", "stated_count"),
-        *("studies", "title"),
+        *("chart", "column", "panel", "picture", "record", "refined", "short_summary"),
+        *("stated_count", "studies", "title"),
     },
     "Forces": {"chart"},
     "WorkspaceMaps": {"chart"},
