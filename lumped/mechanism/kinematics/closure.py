@@ -1,9 +1,12 @@
-"""Loop closure: residuals of the joints of a mechanism, and the derivatives of these residuals.
+"""Loop closure: residuals of the joints of a mechanism, their derivatives, and their solution.
 
 All joints are evaluated together, as arrays. Residuals are lengths (m): angles are multiplied by
 the size of the mechanism, a length. The unknowns are small displacements of the movable bodies in
 base axes, in the order of the mechanism. Each body has six: the translation of its origin (m), and
 its rotation times the size of the mechanism (m). The derivatives are screws.
+
+Loops are closed by the Gauss–Newton method. Each step is the shortest one that closes the joints to
+first order. Idle motions therefore do not occur, and redundant constraints do no harm.
 """
 
 from collections.abc import Iterator
@@ -11,6 +14,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from scipy.linalg import lstsq
 
 from lumped.arrays import Array, IntArray
 from lumped.mechanism.body import Frame
@@ -19,6 +23,7 @@ from lumped.mechanism.free_twists import (
     constraints,
     coordinates,
     rotation_since_reference,
+    whole_turn_flags,
 )
 from lumped.mechanism.mechanism import GROUND, MOVES, Mechanism, Posture
 from lumped.memo import memo
@@ -26,6 +31,21 @@ from lumped.screws import rotation_about, rotation_vector, skew
 
 # Angle (rad) below which the second term θ²/720 of a power series is less than round-off.
 _SMALL = 1e-6
+# Residual of a closed posture, as a fraction of the size of the mechanism.
+CLOSED = 1e-12
+# Singular values below this are round-off.
+_DEPENDENT = 1e-9
+# Largest displacement in the first iteration, as a fraction of the size of the mechanism or in rad.
+_LONGEST = 0.4
+# Largest ratio of the displacements in successive iterations. Convergence is linear with 1/2 at the
+# edge of the workspace, where the posture is a double root, and quadratic inside.
+_CONTRACTION = 0.6
+_ITERATIONS = 60
+# Largest last step, as a fraction of the size, after which only round-off is left, because
+# convergence is quadratic.
+_CONVERGED = 1e-8
+# Weight of the deviation from the pose relative to open joints, if both cannot be zero.
+_INSISTENT = 1e3
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,6 +136,20 @@ class Closure:
         R = np.einsum("jki,jkl->jil", first, placement.turns[self._second])
         return (coordinates(*each) for each in zip(self.mechanism.joints, p, R, strict=True))
 
+    def coordinates_after(self, placement: Placement, before: list[Array]) -> list[Array]:
+        """Coordinates of all joints, with whole turns added to angles so that they stay continuous.
+
+        `before` contains the coordinates of all joints in the preceding posture.
+        """
+        unwrapped = []
+        joints = self.mechanism.joints
+        for joint, values, previous in zip(
+            joints, self.coordinates(placement), before, strict=True
+        ):
+            turns = np.round((previous - values) / (2.0 * np.pi)) * whole_turn_flags(joint)
+            unwrapped.append(values + 2.0 * np.pi * turns)
+        return unwrapped
+
     def _gaps(self, placement: Placement) -> tuple[Array, Array, Array]:
         """Arms of the first and of the second interfaces of all j joints, and gaps between them.
 
@@ -137,6 +171,11 @@ class Closure:
         c = np.einsum("rkl,rl->rk", turns[self._second[self._turning]], self._c)
         slides, swings = (normal * gap).sum(axis=1), (b * c).sum(axis=1)
         return np.concatenate([slides, self.size * (swings - self._target)])
+
+    def gap_widths(self, placement: Placement) -> Array:
+        """Gap (m) of each joint: norm of the residuals of its constraints."""
+        squares = self.residual(placement) ** 2
+        return np.sqrt(np.bincount(self.joint_of, squares, len(self.mechanism.joints)))
 
     def jacobian(self, placement: Placement) -> Array:
         """Derivative (constraints × unknowns, dimensionless) of `residual`."""
@@ -262,6 +301,47 @@ class Closure:
         # One Newton step towards the nearest rotation matrix prevents round-off from accumulating.
         turns[self._moving] = 1.5 * rotated - 0.5 * rotated @ rotated.swapaxes(1, 2) @ rotated
         return Placement(origins, turns)
+
+    def closed_at(self, placement: Placement, pose: Array) -> Placement | None:
+        """Positions of all bodies with closed joints and the tool at `pose`.
+
+        The iteration starts at `placement`. None if its steps do not become shorter.
+        """
+        previous_length = np.inf
+        for _ in range(_ITERATIONS):
+            residual = self.residual_at(placement, pose)
+            closed = np.abs(residual).max(initial=0.0) <= CLOSED * self.size
+            if closed and previous_length <= _CONVERGED * self.size:
+                return placement
+            jacobian = self.jacobian_at(placement)
+            step = lstsq(
+                jacobian, -residual, cond=_DEPENDENT, lapack_driver="gelsy", check_finite=False
+            )[0]
+            length = float(np.abs(step).max(initial=0.0))
+            if closed and length > _CONTRACTION * previous_length:
+                return placement
+            if length > min(_LONGEST * self.size, _CONTRACTION * previous_length):
+                return None
+            placement, previous_length = self.displaced(placement, step), length
+        return None
+
+    def nearest_to(self, placement: Placement, pose: Array) -> Placement:
+        """Positions of all bodies with the tool at `pose` and the smallest gaps of joints."""
+        weights = np.ones(len(self.joint_of) + len(self.moves))
+        weights[len(self.joint_of) :] = _INSISTENT
+        residual = weights * self.residual_at(placement, pose)
+        damping = 1.0
+        for _ in range(_ITERATIONS):
+            jacobian = weights[:, None] * self.jacobian_at(placement)
+            system = np.vstack([jacobian, damping * np.eye(jacobian.shape[1])])
+            step = lstsq(system, np.append(-residual, np.zeros(jacobian.shape[1])))[0]
+            trial = self.displaced(placement, step)
+            trial_residual = weights * self.residual_at(trial, pose)
+            if trial_residual @ trial_residual < residual @ residual:
+                placement, residual, damping = trial, trial_residual, 0.3 * damping
+            else:
+                damping *= 4.0
+        return placement
 
     def _tool_rotation(self, placement: Placement) -> Array:
         """Rotation vector (3, in rad) of the tool. Zero if no rotation is prescribed."""

@@ -1,22 +1,19 @@
-"""Posture of a mechanism for a pose of its tool, by iterative closure of all loops.
+"""Posture of a mechanism for a pose of its tool, approached from its reference posture.
 
-The Gauss–Newton method is used, starting from the reference posture. Each step is the shortest one
-that closes the joints to first order. Idle motions therefore do not occur, and redundant
-constraints do no harm. The path to the pose is divided until each part converges with steps of
-decreasing length, so that the robot keeps its assembly mode.
+The path to the pose is divided until the iteration that closes all loops
+(`lumped.mechanism.kinematics.closure`) converges on each part with steps of decreasing length, so
+that the robot keeps its assembly mode.
 """
 
 from collections.abc import Mapping
 
 import numpy as np
-from scipy.linalg import lstsq
 
 from lumped.arrays import Array
 from lumped.errors import ComputationError, InputError, naming
 from lumped.mechanism.body import Frame
-from lumped.mechanism.free_twists import whole_turn_flags
 from lumped.mechanism.joint import FREEDOMS
-from lumped.mechanism.kinematics.closure import Closure, Placement, closure_of
+from lumped.mechanism.kinematics.closure import CLOSED, Closure, Placement, closure_of
 from lumped.mechanism.kinematics.mobility import indeterminacy, mobility, mobility_at
 from lumped.mechanism.mechanism import LENGTHS, Mechanism, Posture
 from lumped.memo import memo
@@ -24,22 +21,8 @@ from lumped.text import counted
 
 # Largest allowed coordinate (m or rad) of a pose. Squares of much larger ones overflow.
 _FARTHEST = 100.0
-# Residual of a closed posture, as a fraction of the size of the mechanism.
-CLOSED = 1e-12
-# Singular values below this are round-off.
-_DEPENDENT = 1e-9
-# Largest displacement in the first iteration, as a fraction of the size of the mechanism or in rad.
-_LONGEST = 0.4
-# Largest ratio of the displacements in successive iterations. Convergence is linear with 1/2 at the
-# edge of the workspace, where the posture is a double root, and quadratic inside.
-_CONTRACTION = 0.6
-_ITERATIONS = 60
+# Smallest part of the path to a pose that is tried.
 _SMALLEST_PART = 2.0**-12
-# Largest last step, as a fraction of the size, after which only round-off is left, because
-# convergence is quadratic.
-_CONVERGED = 1e-8
-# Weight of the deviation from the pose relative to open joints, if both cannot be zero.
-_INSISTENT = 1e3
 # Largest gap of a joint, as a fraction of the size, whose likely cause is rounded input. Larger
 # gaps are due to limited reach.
 _INEXACT = 1e-6
@@ -146,10 +129,10 @@ def _continued(closure: Closure, begin: Posture, target: Array) -> tuple[Placeme
     progress, part = 0.0, 1.0
     while progress < 1.0:
         goal = begin.pose + (progress + part) * (target - begin.pose)
-        closed = _closed(closure, placement, goal)
+        closed = closure.closed_at(placement, goal)
         if closed is not None:
             placement, progress = closed, progress + part
-            coordinates = _unwrapped_coordinates(closure, placement, coordinates)
+            coordinates = closure.coordinates_after(placement, coordinates)
             part = min(2.0 * part, 1.0 - progress)
         elif part > _SMALLEST_PART:
             part *= 0.5
@@ -182,45 +165,6 @@ def _checked(mechanism: Mechanism, pose: Array) -> Array:
     return target
 
 
-def _closed(closure: Closure, placement: Placement, pose: Array) -> Placement | None:
-    """Positions of all bodies with closed joints and the tool at `pose`, found from `placement`.
-
-    None if the Gauss–Newton steps do not become shorter.
-    """
-    previous_length = np.inf
-    for _ in range(_ITERATIONS):
-        residual = closure.residual_at(placement, pose)
-        closed = np.abs(residual).max(initial=0.0) <= CLOSED * closure.size
-        if closed and previous_length <= _CONVERGED * closure.size:
-            return placement
-        jacobian = closure.jacobian_at(placement)
-        step = lstsq(
-            jacobian, -residual, cond=_DEPENDENT, lapack_driver="gelsy", check_finite=False
-        )[0]
-        length = float(np.abs(step).max(initial=0.0))
-        if closed and length > _CONTRACTION * previous_length:
-            return placement
-        if length > min(_LONGEST * closure.size, _CONTRACTION * previous_length):
-            return None
-        placement, previous_length = closure.displaced(placement, step), length
-    return None
-
-
-def _unwrapped_coordinates(
-    closure: Closure, placement: Placement, before: list[Array]
-) -> list[Array]:
-    """Coordinates of all joints, with whole turns added to angles so that they stay continuous.
-
-    `before` contains the coordinates of all joints in the preceding posture.
-    """
-    unwrapped = []
-    joints = closure.mechanism.joints
-    for joint, values, previous in zip(joints, closure.coordinates(placement), before, strict=True):
-        turns = np.round((previous - values) / (2.0 * np.pi)) * whole_turn_flags(joint)
-        unwrapped.append(values + 2.0 * np.pi * turns)
-    return unwrapped
-
-
 def _refuse_open_reference(closure: Closure) -> None:
     residual = np.abs(closure.residual(closure.reference))
     if residual.max(initial=0.0) > CLOSED * closure.size:
@@ -237,7 +181,7 @@ def _out_of_reach(closure: Closure, placement: Placement, pose: Array, progress:
     `placement` contains the positions of all bodies in the last reachable pose. `progress` (0 to 1)
     is the part of the path to `pose` that was covered.
     """
-    widths = _widths(closure, _nearest(closure, placement, pose))
+    widths = closure.gap_widths(closure.nearest_to(placement, pose))
     last_pose = closure.pose(placement)[: len(pose)]
     joint = closure.mechanism.joints[int(np.argmax(widths))]
     reason = (
@@ -257,28 +201,3 @@ def _out_of_reach(closure: Closure, placement: Placement, pose: Array, progress:
     if progress == 0.0 and result.barred:
         return f"{reason}; the joints do not let the tool move along {', '.join(result.barred)}"
     return reason
-
-
-def _widths(closure: Closure, placement: Placement) -> Array:
-    """Gap (m) of each joint: norm of the residuals of its constraints."""
-    squares = closure.residual(placement) ** 2
-    return np.sqrt(np.bincount(closure.joint_of, squares, len(closure.mechanism.joints)))
-
-
-def _nearest(closure: Closure, placement: Placement, pose: Array) -> Placement:
-    """Positions of all bodies with the tool at `pose` and the smallest possible gaps of joints."""
-    weights = np.ones(len(closure.joint_of) + len(closure.moves))
-    weights[len(closure.joint_of) :] = _INSISTENT
-    residual = weights * closure.residual_at(placement, pose)
-    damping = 1.0
-    for _ in range(_ITERATIONS):
-        jacobian = weights[:, None] * closure.jacobian_at(placement)
-        system = np.vstack([jacobian, damping * np.eye(jacobian.shape[1])])
-        step = lstsq(system, np.append(-residual, np.zeros(jacobian.shape[1])))[0]
-        trial = closure.displaced(placement, step)
-        trial_residual = weights * closure.residual_at(trial, pose)
-        if trial_residual @ trial_residual < residual @ residual:
-            placement, residual, damping = trial, trial_residual, 0.3 * damping
-        else:
-            damping *= 4.0
-    return placement

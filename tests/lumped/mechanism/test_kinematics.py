@@ -15,9 +15,9 @@ from lumped.errors import InputError
 from lumped.mechanism.biglide import Stroke, family_member
 from lumped.mechanism.free_twists import interface_position, joint_twists
 from lumped.mechanism.joint import FREEDOMS, Joint, Side
-from lumped.mechanism.kinematics.closure import Closure, Placement
+from lumped.mechanism.kinematics.closure import CLOSED, Closure, Placement
 from lumped.mechanism.kinematics.mobility import mobility
-from lumped.mechanism.kinematics.postures import CLOSED, posture, reference_posture
+from lumped.mechanism.kinematics.postures import posture, reference_posture
 from lumped.mechanism.mechanism import GROUND, Mechanism, Tool
 from lumped.mechanism.placing import leg_frame, place_rigid_body
 from lumped.memo import forget
