@@ -47,7 +47,8 @@ from lumped.dense.modes import solve_modes
 from lumped.line_sections import FIELDS, LineSections
 from lumped.mechanism.body_model import LegMatrices
 from lumped.screws import skew
-from lumped.system.line_loads import linear_load, section_forces
+from lumped.system.line_loads import linear_load
+from lumped.system.members import section_forces
 
 # Number of Gauss points per element: exact for a cubic moment (due to a linearly distributed load)
 # times two quadratic rotations.

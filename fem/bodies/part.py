@@ -1,6 +1,13 @@
-"""A CAD part on one mesh: stiffness, mass, coupling to its interfaces, and clamping."""
+"""A CAD part on one mesh: stiffness, mass, coupling to its interfaces, clamping and pressures.
 
-from collections.abc import Sequence
+The virtual work −p ∫ δu · n dA of a pressure p that pushes into the body gives the consistent nodal
+forces f_a = −p ∫ N_a n dA. With facets x(ξ, η), n dA = ∂x/∂ξ × ∂x/∂η dξ dη is a polynomial, which
+the quadrature integrates exactly on curved facets, too. The resultants are those of the facets: on
+all faces of a closed body they vanish to round-off. The pressure keeps its direction when the body
+deforms.
+"""
+
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,7 +15,7 @@ from scipy.sparse import csr_array, eye_array
 
 from fem.bodies.rooted import RootedBody, rooted_body
 from fem.couplings.coupled_solid import CoupledSolid, coupled_solid
-from fem.couplings.grips import Grip, Kind, rigid_motions
+from fem.couplings.grips import Grip, Kind, rigid_motions, unknowns
 from fem.elasticity import on_three_components, stiffness_and_mass
 from fem.machine import available_memory
 from lumped.arrays import Array, SparseMatrix
@@ -16,10 +23,13 @@ from lumped.errors import ComputationError
 from lumped.legs import Material
 from meshes.part.boundary import Facets, PartMesh
 from meshes.part.interfaces import Interface
+from meshes.shape_functions import gradients, quadrature, values
 
 # Peak memory (bytes) of the factorisation for 150 000 unknowns, and the exponent with which it
 # grows. Measured on parts meshed with tetrahedra.
 _BYTES, _UNKNOWNS, _POWER = 1.6e9, 150e3, 1.4
+# Degree of N_a n: at most 4 on triangles of second order, 5 in each coordinate on quadrilaterals.
+_DEGREE = 5
 
 
 @dataclass(frozen=True)
@@ -39,9 +49,10 @@ class MeshedPart:
     """A part on a mesh: `stiffness` (csr 3N×3N, in N/m) and `scalar_mass` (csr N×N, in kg).
 
     The axes are those of the part's file. The scalar mass applies to each component of
-    displacement.
+    displacement. `name` is used in messages.
     """
 
+    name: str
     mesh: PartMesh
     material: Material
     stiffness: SparseMatrix
@@ -57,13 +68,13 @@ class MeshedPart:
         return MassProperties(mass, centre, np.trace(moments) * np.eye(3) - moments)
 
 
-def meshed_part(mesh: PartMesh, material: Material) -> MeshedPart:
+def meshed_part(name: str, mesh: PartMesh, material: Material) -> MeshedPart:
     """Stiffness and mass matrices of a part on a mesh.
 
     Raises ComputationError for folded elements.
     """
     K, M = stiffness_and_mass(mesh, material)
-    return MeshedPart(mesh, material, K, M)
+    return MeshedPart(name, mesh, material, K, M)
 
 
 def require_memory(unknowns: float, part: str) -> None:
@@ -103,12 +114,12 @@ def grips_of(
     )
 
 
-def free_part(part: MeshedPart, name: str) -> RootedBody:
+def free_part(part: MeshedPart) -> RootedBody:
     """Part without interfaces. Its mean motion is fixed, and its stiffness is factorised.
 
     The mean motion of displacements u is weighted with the mass M: Bᵀu = (RᵀMR)⁻¹ RᵀMu, with the
-    rigid motions R. It takes the place of the twist of a first interface. `name` is used in
-    messages. Raises errors as `rooted_body` does.
+    rigid motions R. It takes the place of the twist of a first interface. Raises errors as
+    `rooted_body` does.
     """
     nodes, mass = part.mesh.nodes, on_three_components(part.scalar_mass)
     centre = part.properties().centre
@@ -123,16 +134,64 @@ def free_part(part: MeshedPart, name: str) -> RootedBody:
         points=centre[None],
         places=nodes,
     )
-    return rooted_body(solid, name)
+    return rooted_body(solid, part.name)
 
 
-def held_part(part: MeshedPart, grips: Sequence[Grip], name: str) -> RootedBody:
+def held_part(part: MeshedPart, grips: Sequence[Grip]) -> RootedBody:
     """Part clamped at its first interface, with factorised stiffness.
 
-    `grips` are the faces and couplings of all interfaces, `name` is used in messages. Raises errors
-    as `rooted_body` does.
+    `grips` are the faces and couplings of all interfaces. Raises errors as `rooted_body` does.
     """
     solid = coupled_solid(
         part.stiffness, on_three_components(part.scalar_mass), part.mesh.nodes, grips
     )
-    return rooted_body(solid, name)
+    return rooted_body(solid, part.name)
+
+
+def pressure_forces(nodes: Array, facets: Facets) -> Array:
+    """Nodal forces (n×3, in N) of a pressure of 1 Pa on `facets`.
+
+    They act on the n nodes of the facets, in ascending order. `nodes` (N×3, in m) are those of the
+    whole mesh.
+    """
+    points, weights = quadrature(facets.element, _DEGREE)
+    shapes, slopes = values(facets.element, points), gradients(facets.element, points)
+    tangents = np.einsum("fki,kjq->fqij", nodes[facets.cells], slopes)
+    normals = np.cross(tangents[..., 0], tangents[..., 1])
+    forces = -np.einsum("q,aq,fqi->fai", weights, shapes, normals, optimize=True)
+    total = np.zeros((len(facets.nodes), 3))
+    np.add.at(total, np.searchsorted(facets.nodes, facets.cells), forces)
+    return total
+
+
+def forces_on_faces(mesh: PartMesh, pressures: Mapping[int, float]) -> Array:
+    """Nodal forces (3N, in N) of `pressures` (Pa, by face number) on a part with this `mesh`."""
+    forces = np.zeros((len(mesh.nodes), 3))
+    for number, pressure in pressures.items():
+        facets = mesh.faces[number]
+        forces[facets.nodes] += pressure * pressure_forces(mesh.nodes, facets)
+    return forces.ravel()
+
+
+def wrenches_of_faces(mesh: PartMesh, shapes: Array) -> dict[int, Array]:
+    """Wrenches (6m) on the m interfaces that are equivalent to a pressure of 1 Pa on a face.
+
+    The result contains them for each face, by face number. `shapes` Ψ (3N×6m) are the displacements
+    of the nodes for unit twists of the interfaces. The wrenches Ψᵀf do the same work on these
+    twists as the nodal forces f of the pressure, so that the displacements of the interfaces are
+    exact.
+    """
+    return {
+        number: pressure_forces(mesh.nodes, facets).ravel() @ shapes[unknowns(facets.nodes)]
+        for number, facets in mesh.faces.items()
+    }
+
+
+def as_columns(wrenches: Mapping[int, Array]) -> tuple[Array, Array]:
+    """Face numbers (F) and wrenches (F×6m) as two arrays, from `wrenches` by face number."""
+    return np.array(list(wrenches)), np.array(list(wrenches.values()))
+
+
+def from_columns(numbers: Array, wrenches: Sequence[Array] | Array) -> dict[int, Array]:
+    """Wrenches by face number, from the two arrays that `as_columns` returns."""
+    return dict(zip(numbers.tolist(), wrenches, strict=True))

@@ -20,8 +20,8 @@ def free_modes(rooted: RootedBody, count: int) -> CertifiedModes:
     Raises ComputationError if there are not six rigid motions, and errors as
     `fem.solvers.modes.lowest_modes` does.
     """
-    rooted.require_count()
     body = free_body(rooted)
+    body.require_count()
 
     def counted(sigma: float) -> Inertia:
         # The memory of the stiffness factor is released for the factor of the count.

@@ -19,7 +19,15 @@ from lumped.dense.modes import Modes, solve_modes
 from lumped.dense.statics import balanced_flexibility, solve_statics
 from lumped.equivalent_leg import equivalent_leg, sectioned_leg
 from lumped.errors import ComputationError, InputError
-from lumped.legs import ConstantLeg, GivenLeg, Leg, LineLeg, given_compliance, sectioned_compliance
+from lumped.legs import (
+    ConstantLeg,
+    GivenLeg,
+    Leg,
+    LineLeg,
+    given_compliance,
+    is_bent,
+    sectioned_compliance,
+)
 from lumped.mechanism.body import Body
 from lumped.mechanism.body_model import LegMatrices
 from lumped.mechanism.mechanism import Mechanism
@@ -48,6 +56,11 @@ def legs_of(mechanism: Mechanism) -> dict[str, Leg]:
         for name, body in mechanism.bodies.items()
         if isinstance(body.shape, ConstantLeg | GivenLeg | LineLeg)
     }
+
+
+def bent_legs(mechanism: Mechanism) -> list[str]:
+    """Names of the legs whose centre line is not straight."""
+    return [name for name, leg in legs_of(mechanism).items() if is_bent(leg)]
 
 
 def on_equivalent_legs(mechanism: Mechanism) -> Mechanism:

@@ -1,12 +1,4 @@
-"""Loads along a leg, and the forces in its sections that balance them.
-
-The forces in the section at x are those that the part of the leg beyond x exerts on the part before
-x. They follow from the equilibrium of the part before x and do not depend on the leg's stiffness. N
-is the component along x, positive in tension. Qy and Qz are shear forces. T, My and Mz are the
-moments about the leg's axes.
-"""
-
-from collections.abc import Sequence
+"""Loads along a leg, and the wrenches on its ends that represent them."""
 
 import numpy as np
 
@@ -20,24 +12,6 @@ from lumped.screws import shift
 _ALONG = np.array([1.0, 0.0, 0.0])
 # Number of elements in each span: they halve a taper within the reach of one quadrature.
 _HALVINGS = 4
-
-
-def section_forces(root: Array, loads: Sequence[LineLoad], stations: Array) -> Array:
-    """Forces and moments (s×6: N, Qy, Qz, T, My, Mz) in the sections at s `stations` (m) of a leg.
-
-    `root` (6, leg axes) is the wrench on the root of the leg. `loads` are the loads along it.
-    """
-    x = stations[:, None]
-    total, lever = np.zeros((len(x), 6)), np.zeros((len(x), 3))
-    for load in loads:
-        inside = np.clip(x - load.start, 0.0, load.stop - load.start)
-        slope = (load.last - load.first) / (load.stop - load.start)
-        resultant = load.first * inside + slope * inside**2 / 2.0
-        moment = load.first * inside**2 / 2.0 + slope * inside**3 / 3.0
-        total += resultant
-        lever += ((x - load.start) * resultant - moment)[:, :3]
-    moments = -root[3:] - total[:, 3:] + np.cross(_ALONG, root[:3] * x + lever)
-    return np.hstack([-root[:3] - total[:, :3], moments])
 
 
 def end_wrenches(sections: LineSections, load: LineLoad) -> Array:

@@ -1,6 +1,12 @@
-"""Forces and moments in the sections of the legs of a loaded mechanism (member forces)."""
+"""Forces and moments in the sections of the legs of a loaded mechanism (member forces).
 
-from collections.abc import Iterator
+The forces in the section at x are those that the part of the leg beyond x exerts on the part before
+x. They follow from the equilibrium of the part before x and do not depend on the leg's stiffness. N
+is the component along x, positive in tension. Qy and Qz are shear forces. T, My and Mz are the
+moments about the leg's axes.
+"""
+
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,10 +15,10 @@ from lumped.arrays import Array
 from lumped.legs import LineLeg
 from lumped.mechanism.free_twists import interface_position
 from lumped.mechanism.joint import Side
-from lumped.mechanism.load import Loading
+from lumped.mechanism.load import LineLoad, Loading
 from lumped.mechanism.mechanism import Posture
 from lumped.screws import shift, turn
-from lumped.system.line_loads import linear_load, section_forces
+from lumped.system.line_loads import linear_load
 from lumped.system.reactions import InternalForces
 
 # Number of equally spaced stations along a leg.
@@ -25,10 +31,9 @@ _ROUNDING = 1e-9
 class MemberForces:
     """Forces and moments in s sections of a leg.
 
-    `forces` (s×6) are N, Qy, Qz, T, My and Mz (N and N m, leg axes), as in
-    `lumped.system.line_loads`. Components that statics does not determine are NaN. `stations` (s,
-    in m) are the distances of the sections from the root. `half_width` (6) is the half-width of the
-    numerical uncertainty of each component.
+    `forces` (s×6) are N, Qy, Qz, T, My and Mz (N and N m, leg axes). Components that statics does
+    not determine are NaN. `stations` (s, in m) are the distances of the sections from the root.
+    `half_width` (6) is the half-width of the numerical uncertainty of each component.
     """
 
     leg: str
@@ -73,6 +78,24 @@ def member_forces(
     )
 
 
+def section_forces(root: Array, loads: Sequence[LineLoad], stations: Array) -> Array:
+    """Forces and moments (s×6: N, Qy, Qz, T, My, Mz) in the sections at s `stations` (m) of a leg.
+
+    `root` (6, leg axes) is the wrench on the root of the leg. `loads` are the loads along it.
+    """
+    x = stations[:, None]
+    total, lever = np.zeros((len(x), 6)), np.zeros((len(x), 3))
+    for load in loads:
+        inside = np.clip(x - load.start, 0.0, load.stop - load.start)
+        slope = (load.last - load.first) / (load.stop - load.start)
+        resultant = load.first * inside + slope * inside**2 / 2.0
+        moment = load.first * inside**2 / 2.0 + slope * inside**3 / 3.0
+        total += resultant
+        lever += ((x - load.start) * resultant - moment)[:, :3]
+    moments = -root[3:] - total[:, 3:] + np.cross([1.0, 0.0, 0.0], root[:3] * x + lever)
+    return np.hstack([-root[:3] - total[:, :3], moments])
+
+
 def _end_wrench(
     posture: Posture, name: str, point: str, forces: InternalForces, load: Loading
 ) -> Array:
@@ -88,9 +111,9 @@ def _end_wrench(
         joint = transmitted.joint
         for side, sign in ((joint.first, -1.0), (joint.second, 1.0)):
             if side == Side(name, point):
-                move = shift(interface_position(posture, joint.first) - position)
+                offset = interface_position(posture, joint.first) - position
                 wrenches = np.column_stack([transmitted.wrench, transmitted.undetermined])
-                total += sign * move.T @ wrenches
+                total += sign * shift(offset).T @ wrenches
     for applied in load.point_wrenches:
         if (applied.body, applied.point) == (name, point):
             total[:, 0] += shift(applied.position - position).T @ applied.wrench

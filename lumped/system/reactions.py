@@ -136,16 +136,16 @@ def reaction(posture: Posture, transmitted: JointWrench, load: Loading) -> React
 
     `transmitted` is the wrench of the joint under `load`.
     """
-    joint = transmitted.joint
-    to_axes = turn(joint_axes(posture, joint)).T
-    unit = np.array([1.0] * 3 + [1.0 / transmitted.length] * 3)
-    free = unit[:, None] * (to_axes @ transmitted.undetermined)
-    open_components = np.linalg.norm(free, axis=1) > _DEPENDENT
+    joint, axes = transmitted.joint, joint_axes(posture, transmitted.joint)
     drive = None
     if joint.drive is not None:
         along = free_twists(posture, joint)[:, 0]
         force = float(along @ transmitted.wrench) - load.rotor_forces.get(joint.name, 0.0)
         drive = np.nan if (np.abs(along @ transmitted.undetermined) > _DEPENDENT).any() else force
+    to_axes = turn(axes).T
+    unit = np.array([1.0] * 3 + [1.0 / transmitted.length] * 3)
+    free = unit[:, None] * (to_axes @ transmitted.undetermined)
+    open_components = np.linalg.norm(free, axis=1) > _DEPENDENT
     return Reaction(
         joint.name,
         np.where(open_components, np.nan, to_axes @ transmitted.wrench),
@@ -158,9 +158,9 @@ def reaction(posture: Posture, transmitted: JointWrench, load: Loading) -> React
 def internal_forces(solution: Solved, load: Loading) -> InternalForces:
     """Forces on the interfaces of deformable bodies and in joints under a load."""
     system = solution.system
-    work = without_idle(solution, work_on(system, load)[:, None])
-    displacements = solution.displacements(work)[:, 0]
-    idle_acceleration = idle_accelerations(solution, work_on(system, load)[:, None])[:, 0]
+    work = work_on(system, load)[:, None]
+    displacements = solution.displacements(without_idle(solution, work))[:, 0]
+    idle_acceleration = idle_accelerations(solution, work)[:, 0]
     bodies = {
         name: _body_forces(system, name, load, displacements, idle_acceleration)
         for name in system.models
@@ -173,12 +173,13 @@ def _body_forces(
     system: System, name: str, load: Loading, displacements: Array, idle_acceleration: Array
 ) -> BodyForces:
     model, count = system.models[name], len(system.ends[name])
+    distributed_load = _distributed_load(system, name, load)
     unknowns = system.body_unknowns(name, displacements)
     inertia = (model.mass @ system.body_unknowns(name, idle_acceleration))[:count]
     magnitudes = (abs(model.stiffness) @ np.abs(unknowns))[:count]
     return BodyForces(
         elastic=np.asarray(model.stiffness @ unknowns)[:count],
-        load=_distributed_load(system, name, load),
+        load=distributed_load,
         inertia=inertia,
         rounding=np.finfo(float).eps * magnitudes,
     )

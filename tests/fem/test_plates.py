@@ -10,7 +10,7 @@ from scipy.optimize import brentq
 from scipy.sparse import csr_array
 from scipy.sparse.linalg import eigsh, spsolve
 
-from fem.bodies.pressures import pressure_forces
+from fem.bodies.part import pressure_forces
 from fem.elasticity import on_three_components, stiffness_and_mass
 from lumped.legs import Material
 from meshes.elements import ELEMENTS

@@ -33,8 +33,8 @@ from validation.adequacy.judged_models import (
 from validation.adequacy.judgement import verdict_matrix
 from validation.case import failure_reason
 from validation.context import PRESETS, Context, Preset
-from validation.models.loads.displacements import impossible_poses
 from validation.models.loads.stability import stabilities, stability_notes
+from validation.models.loads.statics import impossible_poses
 from validation.models.reduced_parts import unknowns_of, with_finer_parts
 from validation.references.modal_reference import dynamic_reference, mass_notes, modal_steps
 from validation.references.modes_on_path import solid_meshes

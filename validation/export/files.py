@@ -271,8 +271,8 @@ def _write_part(body: Body, folder: Path) -> str:
     """
     file, interfaces = found_in(body)
     mesh = part_mesh(file, interfaces, unknowns_of(body))
-    meshed = meshed_part(mesh, shape_of(body).material)
-    clamped = held_part(meshed, grips_of(mesh, interfaces), body.name)
+    meshed = meshed_part(body.name, mesh, shape_of(body).material)
+    clamped = held_part(meshed, grips_of(mesh, interfaces))
     modes = clamped.modes(MODES)
     reduced = reduction(held_body(clamped), float(modes.frequencies[-1]))
     _write_matrix(reduced.stiffness, folder / f"{body.name}_reduced_K")

@@ -28,7 +28,7 @@ from validation.forces.results import ForcesUnderLoad, PoseForces
 from validation.forces.solids import solid_stresses
 from validation.forces.stresses import member_stress, reason_without_stress
 from validation.kinematics.poses import postures_on_path
-from validation.models.loads.forces import LoadForces, load_forces
+from validation.models.loads.statics import LoadForces, load_forces
 from validation.models.options import ModelName, ModelOptions
 from validation.models.reduced_parts import found_in, unknowns_of, with_unknowns
 from validation.models.robot_bodies import sectioned_legs

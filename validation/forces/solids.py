@@ -14,8 +14,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fem.bodies.part import grips_of, held_part, meshed_part
-from fem.bodies.pressures import forces_on_faces
+from fem.bodies.part import forces_on_faces, grips_of, held_part, meshed_part
 from fem.bodies.rooted import RootedBody
 from fem.bodies.solid import clamped_leg, solid_leg, solid_mesh
 from fem.bodies.stresses import COMPONENTS, away_from, nodal_stresses, von_mises
@@ -32,8 +31,8 @@ from meshes.elements import ELEMENTS
 from meshes.part.boundary import PartMesh
 from meshes.part.inner_edges import inner_edges
 from meshes.solid_mesh import SolidMesh, VolumeMesh
-from validation.models.loads.forces import BodyEnds
 from validation.models.loads.pressures import pressed_faces
+from validation.models.loads.statics import BodyEnds
 from validation.models.options import ModelOptions
 from validation.models.reduced_parts import found_in, shape_of, unknowns_of
 from validation.models.robot_bodies import sectioned_legs
@@ -157,19 +156,19 @@ def _pressures(mechanism: Mechanism, load: Load) -> dict[str, dict[int, float]]:
     pressures: dict[str, dict[int, float]] = {}
     for row in pressed_faces(replace(mechanism, loads=(load,))):
         on_faces = pressures.setdefault(row.pressure.body, {})
-        for number in row.faces:
-            on_faces[number] = on_faces.get(number, 0.0) + row.pressure.pressure
+        for face in row.faces:
+            on_faces[face.number] = on_faces.get(face.number, 0.0) + row.pressure.pressure
     return pressures
 
 
 def _part(body: Body, level: int, pressures: Mapping[int, float]) -> _Solid:
     file, interfaces = found_in(body)
     mesh = part_mesh(file, interfaces, unknowns_of(body), level)
-    meshed = meshed_part(mesh, shape_of(body).material)
+    meshed = meshed_part(body.name, mesh, shape_of(body).material)
     grips = grips_of(mesh, interfaces)
     faces = np.concatenate([grip.nodes for grip in grips])
     singular = np.union1d(_edges(mesh), faces)
-    rooted = held_part(meshed, grips, body.name)
+    rooted = held_part(meshed, grips)
     mass = on_three_components(meshed.scalar_mass)
     forces = forces_on_faces(mesh, pressures)
     return _Solid(mesh, meshed.material, rooted, mass, singular, forces)

@@ -16,14 +16,21 @@ import scipy
 from scipy.linalg import eigh
 from scipy.sparse import csr_array
 
-from fem.bodies.part import grips_of, held_part, meshed_part, require_memory
-from fem.bodies.pressures import as_columns, from_columns, wrenches_of_faces
+from fem.bodies.part import (
+    as_columns,
+    from_columns,
+    grips_of,
+    held_part,
+    meshed_part,
+    require_memory,
+    wrenches_of_faces,
+)
 from fem.reduction.craig_bampton import Reduction, heavier_at_interfaces, reduction
 from fem.reduction.free_interface import FreeTruncation, free_interface
 from fem.reduction.held import held_body
 from lumped.arrays import Array, SparseMatrix, dense
 from lumped.errors import ComputationError, InputError
-from lumped.mechanism.body import Body, Frame, Part, Selection
+from lumped.mechanism.body import Body, Frame, Part
 from lumped.mechanism.body_model import BodyModel
 from lumped.mechanism.mechanism import Mechanism
 from lumped.mechanism.placing import leg_frame
@@ -31,7 +38,7 @@ from lumped.memo import memo
 from lumped.model_choices import ReductionBy
 from lumped.text import counted
 from meshes.part.boundary import PartMesh
-from meshes.part.interfaces import Interface, find_interfaces, selected_faces
+from meshes.part.interfaces import Interface, find_interfaces
 from meshes.part.reading.read import PartFile
 from validation.parts import identify
 from validation.parts.free_modes import FreePart, free_entry
@@ -152,15 +159,6 @@ def found_in(body: Body) -> tuple[PartFile, tuple[Interface, ...]]:
         raise InputError(f"bodies.{body.name}: {fault}" for fault in error.faults) from error
 
 
-def faces_of(body: Body, selection: Selection) -> tuple[int, ...]:
-    """Numbers of the selected faces of a CAD part.
-
-    Raises InputError if the file cannot be read or does not have such faces.
-    """
-    file, _ = found_in(body)
-    return tuple(face.number for face in selected_faces(file, selection))
-
-
 def unknowns_of(body: Body) -> int:
     """Unknowns of the finest of the three meshes of a CAD part."""
     return shape_of(body).unknowns or UNKNOWNS
@@ -205,16 +203,15 @@ def identified_entry(
 ) -> CacheEntry[Identified]:
     """Cache entry for the result of `identified`."""
     file, interfaces = found_in(body)
-    material = shape_of(body).material
-    return identify.identified_entry(
-        file, interfaces, material, unknowns or unknowns_of(body), modes
-    )
+    material, unknowns = shape_of(body).material, unknowns or unknowns_of(body)
+    return identify.identified_entry(file, interfaces, material, unknowns, modes)
 
 
 def free_body_part(body: Body, unknowns: int | None = None, modes: int = _MODES) -> FreePart:
     """Frequencies of a CAD part without supports. Arguments as for `identified`."""
     file, _ = found_in(body)
-    return free_entry(file, shape_of(body).material, unknowns or unknowns_of(body), modes).value()
+    material, unknowns = shape_of(body).material, unknowns or unknowns_of(body)
+    return free_entry(file, material, unknowns, modes).value()
 
 
 def coarsest_mesh(body: Body) -> PartMesh:
@@ -285,8 +282,8 @@ def reduced_entry(
 
     def compute() -> dict[str, Any]:
         mesh = part_mesh(file, found_interfaces, unknowns, level)
-        meshed = meshed_part(mesh, shape.material)
-        rooted = held_part(meshed, grips_of(mesh, interfaces), body.name)
+        meshed = meshed_part(body.name, mesh, shape.material)
+        rooted = held_part(meshed, grips_of(mesh, interfaces))
         shapes = rooted.solid.transformation @ rooted.constraint_modes
         pressed, pressures = as_columns(wrenches_of_faces(mesh, shapes))
         truncation_arrays: dict[str, Array] = {}

@@ -23,6 +23,7 @@ from lumped.mechanism.body_model import BodyModel, LegMatrices
 from lumped.mechanism.joint import Joint
 from lumped.mechanism.mechanism import Mechanism, Posture
 from lumped.models.bodies import legs_of, link, links, tip_compliances
+from lumped.system.assembly import Assembly, assembly
 from lumped.system.joint_motion import printed_release
 from validation.models import reduced_parts
 from validation.models.leg_models import (
@@ -83,6 +84,17 @@ def static_bodies(
     if model == "solid":
         options = replace(options, parts="condensed")
     return bodies_of(mechanism, options, partial(condensed_leg, model))
+
+
+def static_assembly(
+    model: ModelName, postures: Sequence[Posture], options: ModelOptions = DEFAULT_OPTIONS
+) -> Assembly:
+    """Assembly of one mechanism for statics. The virtual joint method has the one of links."""
+    mechanism = postures[0].mechanism
+    if model == "simplified":
+        return assembly(on_drives_alone(mechanism), {})
+    bodies = static_bodies(model, mechanism, options)
+    return assembly(released(postures, options)[0].mechanism, bodies)
 
 
 def dynamic_bodies(

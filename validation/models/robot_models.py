@@ -44,7 +44,7 @@ from validation.models.robot_bodies import (
     reduced_bodies,
     released,
     springs_of,
-    static_bodies,
+    static_assembly,
     unreduced_bodies,
 )
 
@@ -98,19 +98,15 @@ def answers(
             )
             for released_mechanism in postures
         ]
+    if not count:
+        return _swept(static_assembly(model, postures, options), released(postures, options), 0)
     if model == "simplified":
-        if not count:
-            return _swept(assembly(on_drives_alone(mechanism), {}), postures, 0)
         return [
             PostureAnswer(result.posture, result.compliance, result.modes.frequencies, result.idle)
             for result in modes_on_drives(postures, count)
         ]
     postures = released(postures, options)
     released_mechanism = postures[0].mechanism
-    if not count:
-        return _swept(
-            assembly(released_mechanism, static_bodies(model, mechanism, options)), postures, 0
-        )
     return with_dynamic_bodies(
         model,
         mechanism,

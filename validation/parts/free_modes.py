@@ -142,8 +142,8 @@ def _free_modes(part: PartFile, material: Material, unknowns: int, modes: int) -
     frequencies, counts = [], []
     for level in (FINEST,) if is_mesh else LEVELS:
         mesh = part_mesh(part, (), unknowns, level)
-        meshed = meshed_part(mesh, material)
-        certified = free_modes(free_part(meshed, name), modes)
+        meshed = meshed_part(name, mesh, material)
+        certified = free_modes(free_part(meshed), modes)
         frequencies.append(certified.frequencies)
         counts.append(mesh.unknowns)
     properties = meshed.properties()

@@ -17,12 +17,13 @@ import numpy as np
 
 from fem.bodies.part import (
     MeshedPart,
+    as_columns,
     grips_of,
     held_part,
     meshed_part,
     require_memory,
+    wrenches_of_faces,
 )
-from fem.bodies.pressures import as_columns, wrenches_of_faces
 from fem.couplings.grips import Kind
 from lumped.acceptance.quantities import DIAGONAL_UNITS
 from lumped.arrays import Array
@@ -326,16 +327,16 @@ def _identification(
         coarser = []
         for level in coarse_to_fine[:-1]:
             mesh = meshes.pop(level).result()
-            answer = _answer(meshed_part(mesh, material), interfaces, None, modes, name)
+            answer = _answer(meshed_part(name, mesh, material), interfaces, None, modes)
             coarser.append((mesh.unknowns, answer))
         finest = meshes.pop(FINEST).result()
-    meshed = meshed_part(finest, material)
+    meshed = meshed_part(name, finest, material)
     properties = meshed.properties()
     couplings = {interface.coupling for interface in interfaces}
     common_coupling = couplings.pop() if len(couplings) == 1 else None
-    fine = _answer(meshed, interfaces, None, modes, name, certified=True)
+    fine = _answer(meshed, interfaces, None, modes, certified=True)
     bounds = {
-        kind: fine if kind == common_coupling else _answer(meshed, interfaces, kind, modes, name)
+        kind: fine if kind == common_coupling else _answer(meshed, interfaces, kind, modes)
         for kind in _BOUNDS
     }
     # Frees memory before the samples are computed.
@@ -374,18 +375,17 @@ def _answer(
     interfaces: Sequence[Interface],
     coupling: Kind | None,
     modes: int,
-    name: str,
     *,
     certified: bool = False,
 ) -> MeshAnswer:
     """Results on one mesh with one `coupling` of all interfaces.
 
-    If `coupling` is None, each interface has the coupling of the robot file. `name`: name of the
-    part, for error messages. If `certified`, modes are counted, which proves that none is missing.
-    This is done for the reported frequencies only. Other frequencies are used in differences, in
-    which a missing mode would appear as a large uncertainty.
+    If `coupling` is None, each interface has the coupling of the robot file. If `certified`, modes
+    are counted, which proves that none is missing. This is done for the reported frequencies only.
+    Other frequencies are used in differences, in which a missing mode would appear as a large
+    uncertainty.
     """
-    body = held_part(part, grips_of(part.mesh, interfaces, coupling), name)
+    body = held_part(part, grips_of(part.mesh, interfaces, coupling))
     # Before the modes, because counting them replaces the factorisation of the stiffness.
     matrices = body.stiffness, body.condensed_mass, body.compliance
     shapes = body.solid.transformation @ body.constraint_modes

@@ -22,7 +22,7 @@ from lumped.mechanism.mechanism import Posture
 from lumped.model_choices import Ends, PartLegs
 from lumped.models import serial_chains
 from validation.context import Context
-from validation.models.loads.displacements import (
+from validation.models.loads.statics import (
     by_chains,
     displacements,
     displacements_by,

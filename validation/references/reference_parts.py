@@ -20,8 +20,8 @@ from lumped.system.loads import tool_displacements
 from lumped.system.solution import compliance, solved
 from lumped.text import counted
 from validation.drawing.text import percent
-from validation.models.loads.displacements import displacements_by, interface_loads
 from validation.models.loads.leg_masses import MASSES, Masses
+from validation.models.loads.statics import displacements_by, interface_loads
 from validation.models.reduced_parts import Hold, ReducedPart, condensed, found_in, reduced
 from validation.models.robot_bodies import CUTOFF, static_bodies
 from validation.models.robot_models import highest_frequency

@@ -24,7 +24,7 @@ from lumped.errors import ComputationError, InputError
 from lumped.mechanism.mechanism import Posture
 from validation.case import failure_reason
 from validation.kinematics.poses import postures_of
-from validation.models.loads.forces import LoadForces
+from validation.models.loads.statics import LoadForces
 from validation.models.reduced_parts import unknowns_of, with_unknowns
 from validation.references.robot_on_path import Reading, RobotOnPath, robot_at
 from validation.responses.mode_partners import partners

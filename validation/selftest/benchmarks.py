@@ -354,7 +354,7 @@ def bar() -> list[KnownNumber]:
         part = read_part(path, "m")
         interfaces = find_interfaces(part, ends)
         mesh = volume_mesh(part, interfaces, Grading(_SIZE))
-    clamped = held_part(meshed_part(mesh, _STEEL), grips_of(mesh, interfaces), "bar")
+    clamped = held_part(meshed_part("bar", mesh, _STEEL), grips_of(mesh, interfaces))
     E, I = _STEEL.E, height * width**3 / 12.0
     return [
         KnownNumber(quantity, unit, published, float(clamped.compliance[row, column]), 1e-8)

@@ -7,13 +7,15 @@ within a factor of three.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf
 
 from fem.machine import available_memory
 from lumped.errors import InputError
 from lumped.legs import SectionedLeg
+from validation.models.options import OF_ELEMENTS
 from validation.solids.solid_size import solid_unknowns
+from validation.solve.question import Question
 
 # Solid leg with n unknowns: entries of the factorised matrix in n^(4/3), measured as 9 to 14 for
 # legs of all shapes with 3000 to 120 000 unknowns; bytes per entry at the peak of a factorisation,
@@ -95,3 +97,45 @@ def require_affordable(cost: Cost, subject: str, longest: float = LONGEST) -> No
             f"{subject}: needs {cost}, more than the allowed {minutes:g} minutes; choose a "
             "coarser mesh"
         )
+
+
+def question_cost(question: Question, longest: float = LONGEST) -> Cost:
+    """Cost of the answer to a question: of its distinct legs and of the CAD parts.
+
+    Raises InputError if that of the legs exceeds the available memory or `longest` (s).
+    """
+    model, options = question.model, question.options
+    seconds = PER_PART * len(question.mechanism.parts)
+    if model == "solid":
+        option = "divisions"
+        cost = solid_cost(question.legs, options.divisions, question.count)
+    elif model in OF_ELEMENTS:
+        option = "elements"
+        # Legs are reduced one by one and are small then.
+        cost = dense_cost(6 * (options.elements + 1), len(question.legs))
+    else:
+        return Cost(0.0, 0.0, seconds)
+    require_affordable(cost, f"--{option} {getattr(options, option)}", longest)
+    return replace(cost, seconds=cost.seconds + seconds)
+
+
+def is_affordable(question: Question, divisions: int) -> bool:
+    """True if the question could be solved with these `divisions` at an acceptable cost."""
+    try:
+        question_cost(question.with_divisions(divisions))
+    except InputError:
+        return False
+    return True
+
+
+def first_affordable(questions: Sequence[Question]) -> Question:
+    """First question with an affordable mesh. Raises the first InputError if there is none."""
+    refused = []
+    for question in questions:
+        try:
+            question_cost(question, LONGEST_REFINEMENT)
+        except InputError as error:
+            refused.append(error)
+        else:
+            return question
+    raise refused[0]

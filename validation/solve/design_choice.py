@@ -23,7 +23,7 @@ from lumped.mechanism.body import Body, Part
 from lumped.mechanism.mechanism import GROUND, Mechanism
 from lumped.robot_file import RobotFile
 from lumped.text import counted, did_you_mean
-from validation.models.loads.displacements import interface_mass
+from validation.models.loads.statics import interface_mass
 from validation.models.reduced_parts import condensed
 from validation.solve.answer import Answer
 

@@ -17,12 +17,11 @@ from lumped.arrays import Array
 from lumped.errors import InputError
 from lumped.legs import ConstantLeg, LineLeg
 from lumped.mechanism.mechanism import UNITS_OF_MOVES, Mechanism, Posture
-from lumped.models.bodies import RIGID_MOTIONS
+from lumped.models.bodies import RIGID_MOTIONS, bent_legs
 from validation.context import Context
-from validation.models.loads.forces import load_forces
 from validation.models.loads.pressures import resultants
-from validation.models.loads.stability import bent_legs, gives_way_pressed, stabilities
-from validation.models.options import OF_ELEMENTS
+from validation.models.loads.stability import gives_way_pressed, stabilities
+from validation.models.loads.statics import load_forces
 from validation.models.reduced_parts import free_body_part, with_finer_parts
 from validation.models.robot_models import PostureModes
 from validation.references.responses import Responses
@@ -39,15 +38,7 @@ from validation.solve.answer import (
     Place,
     Solution,
 )
-from validation.solve.cost import (
-    LONGEST,
-    LONGEST_REFINEMENT,
-    PER_PART,
-    Cost,
-    dense_cost,
-    require_affordable,
-    solid_cost,
-)
+from validation.solve.cost import Cost, first_affordable, is_affordable, question_cost
 from validation.solve.question import Question
 from validation.solve.solved_model import solved_model
 from validation.solve.uncertainty import (
@@ -102,7 +93,7 @@ def checked(question: Question) -> Cost:
     """
     if faults := question.faults():
         raise InputError(faults)
-    return _cost(question)
+    return question_cost(question)
 
 
 def solve(question: Question) -> Solution:
@@ -156,20 +147,11 @@ def _meshed(solved: SolvedQuestion) -> _Meshed:
     prisms: Sequence[MeshUncertainty] = ()
     parts: Sequence[PartUncertainty] = ()
     if solved.question.model == "solid":
-        prisms = of_prisms(solved, partial(_is_affordable, solved.question))
+        prisms = of_prisms(solved, partial(is_affordable, solved.question))
         compliances, frequencies, prisms = extrapolated(solved, prisms)
         parts = of_parts(solved)
     existing = [values[~np.isnan(values)] for values in frequencies]
     return _Meshed(solved, compliances, existing, prisms, parts)
-
-
-def _is_affordable(question: Question, divisions: int) -> bool:
-    """True if the question could be solved with these `divisions` at an acceptable cost."""
-    try:
-        _cost(question.with_divisions(divisions))
-    except InputError:
-        return False
-    return True
 
 
 def _finer(solved: SolvedQuestion, factor: float) -> SolvedQuestion:
@@ -193,30 +175,17 @@ def _finer(solved: SolvedQuestion, factor: float) -> SolvedQuestion:
         max(ceil(divisions * factor ** (1.0 / order)), divisions + 1), 2 * divisions
     )
     counts = range(wanted_divisions, divisions, -1)
-    return replace(solved, question=_affordable(list(map(question.with_divisions, counts))))
-
-
-def _affordable(questions: Sequence[Question]) -> Question:
-    """First question with an affordable mesh. Raises the first InputError if there is none."""
-    refused = []
-    for question in questions:
-        try:
-            _cost(question, LONGEST_REFINEMENT)
-        except InputError as error:
-            refused.append(error)
-        else:
-            return question
-    raise refused[0]
+    return replace(solved, question=first_affordable(list(map(question.with_divisions, counts))))
 
 
 def _answers(meshed: _Meshed) -> list[Answer]:
     """Answers in all poses."""
     solved = meshed.solved
     question, statics, modes = solved.question, solved.statics, solved.modes
-    digits = of_digits(solved)
     postures = modes.postures if modes else ()
     pairs = _pairs(solved) if question.against else ()
     loads = _load_fields(solved)
+    digits = of_digits(solved)
     # The paper's simplified model defines the compliance along x and y alone.
     defined = slice(2 if question.numbered and question.model == "simplified" else None)
     return [
@@ -354,26 +323,6 @@ def _place(question: Question, posture: Posture) -> Place:
         return Place(body=question.body)
     pose = tuple(posture.pose.tolist())
     return Place(x=pose[0]) if question.numbered else Place(pose=pose)
-
-
-def _cost(question: Question, longest: float = LONGEST) -> Cost:
-    """Cost of the distinct legs and of the CAD parts.
-
-    Raises InputError if that of the legs exceeds the available memory or `longest` (s).
-    """
-    model, options = question.model, question.options
-    seconds = PER_PART * len(question.mechanism.parts)
-    if model == "solid":
-        option = "divisions"
-        cost = solid_cost(question.legs, options.divisions, question.count)
-    elif model in OF_ELEMENTS:
-        option = "elements"
-        # Legs are reduced one by one and are small then.
-        cost = dense_cost(6 * (options.elements + 1), len(question.legs))
-    else:
-        return Cost(0.0, 0.0, seconds)
-    require_affordable(cost, f"--{option} {getattr(options, option)}", longest)
-    return replace(cost, seconds=cost.seconds + seconds)
 
 
 def _without_end_conditions(mechanism: Mechanism) -> Mechanism:

@@ -21,7 +21,7 @@ from lumped.models.bodies import leg_of
 from lumped.system.assembly import assembly
 from lumped.system.sweep import swept
 from validation.models.leg_models import leg_compliance, leg_modes
-from validation.models.loads.displacements import displacements, displacements_of
+from validation.models.loads.statics import displacements, displacements_of
 from validation.models.options import ModelOptions
 from validation.models.robot_bodies import FINE_PARTS, PartMeshing, reduced_parts_of, static_bodies
 from validation.models.robot_models import PostureModes, mechanism_modes

@@ -10,6 +10,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 from math import cbrt, sqrt
+from typing import TypeVar
 
 import numpy as np
 
@@ -44,6 +45,7 @@ from validation.uncertainty.half_widths import (
     relative_sizes,
 )
 
+S = TypeVar("S")
 # Smallest ratio of element sizes of both meshes. Walls with one element across keep one, so that
 # half the divisions give a ratio of only 1.2 (tubes) or 1.3.
 _RATIO = 1.2
@@ -164,14 +166,19 @@ def _half_widths(
     """
     responses, statics, modes = solved.responses, solved.statics, solved.modes
 
+    # Half-widths due to each `change` of the solution, relative to `scale`. Infinite if unknown.
+    def of_numbers(
+        solution: Callable[[Model, Reading], S], change: Callable[[S, S, S], Array], scale: Array
+    ) -> Array:
+        shares = half_widths_on(levels, policy, lambda level: solution(*mesh_model(level)), change)
+        unknown = np.isnan(shares) | np.equal(shares, UNKNOWN)
+        return np.where(unknown & np.isfinite(scale), np.inf, shares * scale)
+
     def of_statics(numbers: Callable[[Statics], Array], scale: Array) -> Array:
-        shares = half_widths_on(
-            levels,
-            policy,
-            lambda level: responses.required_statics(*mesh_model(level)),
-            lambda first, second, _: relative_sizes(numbers(first) - numbers(second), scale),
-        )
-        return _absolute(shares, scale)
+        def change(first: Statics, second: Statics, _: Statics) -> Array:
+            return relative_sizes(numbers(first) - numbers(second), scale)
+
+        return of_numbers(responses.required_statics, change, scale)
 
     compliance, loads, frequencies = np.zeros((3, solved.poses, 0))
     if statics is not None:
@@ -179,20 +186,12 @@ def _half_widths(
         loads = of_statics(_displacements, _lengths(_displacements(statics)))
     if modes is not None:
         first_modes, count = modes, modes.count
-        shares = half_widths_on(
-            levels,
-            policy,
-            lambda level: responses.required_modes(*mesh_model(level)),
+        frequencies = of_numbers(
+            responses.required_modes,
             lambda first, second, _: frequency_changes(first_modes, first, count, second),
+            solved.frequencies,
         )
-        frequencies = _absolute(shares, solved.frequencies)
     return solved.split(compliance, loads, frequencies)
-
-
-def _absolute(shares: Array, scale: Array) -> Array:
-    """Half-widths from `shares`, which are relative to `scale`. Infinite if unknown."""
-    unknown = np.isnan(shares) | np.equal(shares, UNKNOWN)
-    return np.where(unknown & np.isfinite(scale), np.inf, shares * scale)
 
 
 def of_prisms(
@@ -375,9 +374,9 @@ def _ratio(section: Section, first: int, second: int) -> float:
 def mesh_policy(options: ModelOptions, legs: Sequence[SectionedLeg], divisions: int) -> MeshPolicy:
     """Rule for half-widths on the mesh of `options`, from the change to a mesh with `divisions`."""
     present = options.divisions
-    order = min(formal_order(leg, options.ends) for leg in legs)
     along = max(present, divisions) / min(present, divisions)
     ratio = min(cbrt(along * _ratio(section_of(leg), present, divisions) ** 2) for leg in legs)
+    order = min(formal_order(leg, options.ends) for leg in legs)
     return MeshPolicy.of_order(ratio if present > divisions else 1.0 / ratio, order)
 
 

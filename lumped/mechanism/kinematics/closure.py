@@ -9,7 +9,7 @@ Loops are closed by the Gauss–Newton method. Each step is the shortest one tha
 first order. Idle motions therefore do not occur, and redundant constraints do no harm.
 """
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -17,6 +17,7 @@ import numpy as np
 from scipy.linalg import lstsq
 
 from lumped.arrays import Array, IntArray
+from lumped.errors import InputError
 from lumped.mechanism.body import Frame
 from lumped.mechanism.free_twists import (
     axes_of_drive,
@@ -118,15 +119,17 @@ class Closure:
             np.array([rotation_since_reference(posture, name) for name in self.names]),
         )
 
-    def frames(self, placement: Placement) -> dict[str, Frame]:
-        """Frames of all bodies in base axes, by name."""
+    def posture(self, placement: Placement, pose: Array, coordinates: Iterable[Array]) -> Posture:
+        """Posture at `pose` with the positions of all bodies and the joints' `coordinates`."""
         reference = self.mechanism.reference
-        return {
+        frames = {
             name: Frame(origin, turn @ reference[name].rotation)
             for name, origin, turn in zip(
                 self.names, placement.origins, placement.turns, strict=True
             )
         }
+        joints = (joint.name for joint in self.mechanism.joints)
+        return Posture(self.mechanism, pose, frames, dict(zip(joints, coordinates, strict=True)))
 
     def coordinates(self, placement: Placement) -> Iterator[Array]:
         """Coordinates (m, rad) of each joint, in order. Angles are between −π and π."""
@@ -301,6 +304,16 @@ class Closure:
         # One Newton step towards the nearest rotation matrix prevents round-off from accumulating.
         turns[self._moving] = 1.5 * rotated - 0.5 * rotated @ rotated.swapaxes(1, 2) @ rotated
         return Placement(origins, turns)
+
+    def require_closed_reference(self) -> None:
+        """Raise InputError if a joint is open in the reference posture."""
+        residual = np.abs(self.residual(self.reference))
+        if residual.max(initial=0.0) > CLOSED * self.size:
+            joint = self.mechanism.joints[self.joint_of[np.argmax(residual)]]
+            raise InputError(
+                f"{self.mechanism.name}: joint {joint.name} is open by "
+                f"{self.mechanism.lengths.shown(residual.max(), 3)} in the reference posture"
+            )
 
     def closed_at(self, placement: Placement, pose: Array) -> Placement | None:
         """Positions of all bodies with closed joints and the tool at `pose`.

@@ -74,7 +74,8 @@ class Mobility:
 def mobility(posture: Posture) -> Mobility:
     """Mobility, idle motions, overconstraint and singularities of a posture."""
     closure = closure_of(posture.mechanism)
-    return mobility_at(closure, closure.placement(posture))
+    placement = closure.placement(posture)
+    return mobility_at(closure, placement)
 
 
 def generic_mobility(mechanism: Mechanism) -> Mobility:

@@ -5,13 +5,10 @@ The path to the pose is divided until the iteration that closes all loops
 that the robot keeps its assembly mode.
 """
 
-from collections.abc import Mapping
-
 import numpy as np
 
 from lumped.arrays import Array
 from lumped.errors import ComputationError, InputError, naming
-from lumped.mechanism.body import Frame
 from lumped.mechanism.joint import FREEDOMS
 from lumped.mechanism.kinematics.closure import CLOSED, Closure, Placement, closure_of
 from lumped.mechanism.kinematics.mobility import indeterminacy, mobility, mobility_at
@@ -72,23 +69,14 @@ def _from_reference(mechanism: Mechanism, pose: tuple[float, ...]) -> Posture:
 
 
 def _posture_from(mechanism: Mechanism, start: Posture, target: Array) -> Posture:
-    closure = closure_of(mechanism)
     if mechanism.inverse_kinematics is None:
-        placement, coordinates = _continued(closure, start, target)
+        target_posture = _continued(start, target)
     else:
         with naming(mechanism.name):
             frames = mechanism.inverse_kinematics(target)
-        placement = _verified_placement(closure, frames, target)
-        coordinates = list(closure.coordinates(placement))
-    names = (joint.name for joint in mechanism.joints)
-    target_posture = Posture(
-        mechanism,
-        target,
-        closure.frames(placement),
-        dict(zip(names, coordinates, strict=True)),
-    )
+        target_posture = _verified(Posture(mechanism, target, frames, {}))
     result = mobility(target_posture)
-    if fault := indeterminacy(result, closure.size):
+    if fault := indeterminacy(result, mechanism.size):
         key = (
             ""
             if len(result.uncontrolled_twists)
@@ -98,33 +86,33 @@ def _posture_from(mechanism: Mechanism, start: Posture, target: Array) -> Postur
     return target_posture
 
 
-def _verified_placement(closure: Closure, frames: Mapping[str, Frame], pose: Array) -> Placement:
-    """Positions of all bodies with the given `frames` (by name), after a check of their joints.
+def _verified(candidate: Posture) -> Posture:
+    """Posture with the coordinates of all joints, after a check of its frames.
 
-    Raises ComputationError if a joint is open or the tool is not at `pose`. No comparison of models
-    would reveal such an error of the kinematics, because it would affect all models alike.
+    Raises ComputationError if a joint is open or the tool is not at the pose. No comparison of
+    models would reveal such an error of the kinematics, because it would affect all models alike.
     """
-    target_posture = Posture(closure.mechanism, pose, frames, {})
-    placement = closure.placement(target_posture)
+    mechanism, pose = candidate.mechanism, candidate.pose
+    closure = closure_of(mechanism)
+    placement = closure.placement(candidate)
     deviation = np.abs(closure.residual_at(placement, pose)).max()
     if not deviation <= CLOSED * closure.size:
         raise ComputationError(
-            f"{closure.mechanism.name}, pose {shown_pose(closure.mechanism, pose)}: the inverse "
-            "kinematics of the mechanism leaves the joints open or misses the pose by "
-            f"{deviation:.2g} m"
+            f"{mechanism.name}, pose {shown_pose(mechanism, pose)}: the inverse kinematics of the "
+            f"mechanism leaves the joints open or misses the pose by {deviation:.2g} m"
         )
-    return placement
+    return closure.posture(placement, pose, closure.coordinates(placement))
 
 
-def _continued(closure: Closure, begin: Posture, target: Array) -> tuple[Placement, list[Array]]:
-    """Positions of all bodies, and coordinates of each joint, for the pose `target`.
+def _continued(begin: Posture, target: Array) -> Posture:
+    """Posture for the pose `target`, which is approached from the posture `begin`.
 
-    The pose is approached from the posture `begin`. Raises InputError under the conditions of
-    `posture`.
+    Raises InputError under the conditions of `posture`.
     """
-    mechanism = closure.mechanism
+    mechanism = begin.mechanism
+    closure = closure_of(mechanism)
     placement = closure.placement(begin)
-    _refuse_open_reference(closure)
+    closure.require_closed_reference()
     coordinates = [begin.coordinates[joint.name] for joint in mechanism.joints]
     progress, part = 0.0, 1.0
     while progress < 1.0:
@@ -142,7 +130,7 @@ def _continued(closure: Closure, begin: Posture, target: Array) -> tuple[Placeme
                 shown_pose(mechanism, target),
                 _out_of_reach(closure, placement, target, progress),
             )
-    return placement, coordinates
+    return closure.posture(placement, target, coordinates)
 
 
 def shown_pose(mechanism: Mechanism, pose: Array) -> str:
@@ -163,16 +151,6 @@ def _checked(mechanism: Mechanism, pose: Array) -> Array:
             f"({', '.join(moves) or 'none, the tool has no moves'})"
         )
     return target
-
-
-def _refuse_open_reference(closure: Closure) -> None:
-    residual = np.abs(closure.residual(closure.reference))
-    if residual.max(initial=0.0) > CLOSED * closure.size:
-        joint = closure.mechanism.joints[closure.joint_of[np.argmax(residual)]]
-        raise InputError(
-            f"{closure.mechanism.name}: joint {joint.name} is open by "
-            f"{closure.mechanism.lengths.shown(residual.max(), 3)} in the reference posture"
-        )
 
 
 def _out_of_reach(closure: Closure, placement: Placement, pose: Array, progress: float) -> str:

@@ -7,8 +7,7 @@ import pytest
 from scipy.sparse.linalg import spsolve
 from support.robots.drawn_parts import meshed, read_here
 
-from fem.bodies.part import meshed_part
-from fem.bodies.pressures import forces_on_faces, wrenches_of_faces
+from fem.bodies.part import forces_on_faces, meshed_part, wrenches_of_faces
 from fem.calculix import run
 from fem.calculix.deck import Deck, ElementSet, deck_text
 from fem.calculix.run import calculix_version, run_calculix
@@ -74,7 +73,7 @@ def straight(file):
     corners = mesh.cells[:, :4]
     for middle, ends in zip(mesh.cells[:, 4:].T, SIMPLEX_EDGES[4], strict=True):
         nodes[middle] = nodes[corners[:, ends]].mean(axis=1)
-    return meshed_part(replace(mesh, nodes=nodes), STEEL)
+    return meshed_part("part", replace(mesh, nodes=nodes), STEEL)
 
 
 def test_hydrostatic_pressure_strains_uniformly(straight):

@@ -48,7 +48,7 @@ def lug(tmp_path_factory):
     file = read_here(
         drawn_parts.meshed(path, partial(drawn_parts.lug, length=100.0), 40.0, 9.0), "mm"
     )
-    return file, meshed_part(file.mesh, STEEL)
+    return file, meshed_part("lug", file.mesh, STEEL)
 
 
 def grips_on(file, *kinds):
@@ -100,7 +100,7 @@ def test_lug_compliance_equals_lagrange(lug):
     loads = np.zeros((system.shape[0], 6 * m - 6))
     loads[size : size + 6 * m - 6] = np.eye(6 * m - 6)
     expected = splu(system).solve(loads)[size : size + 6 * m - 6]
-    body = held_part(part, grips, "lug")
+    body = held_part(part, grips)
     sizes = np.sqrt(np.outer(np.diag(expected), np.diag(expected)))
     # 1e-7: rounding error of the indefinite system.
     assert body.compliance / sizes == pytest.approx(expected / sizes, abs=1e-7)
@@ -127,7 +127,7 @@ def test_rigid_motion_needs_no_force(lug, kind):
     assert twists[:6] == pytest.approx(np.eye(6), abs=1e-12)
     expected = rigid_motions(part.mesh.nodes, grips[0].point)
     assert T @ solid.motions == pytest.approx(expected, abs=1e-12)
-    body = held_part(part, grips, "lug")
+    body = held_part(part, grips)
     rigid = twists.T @ body.condensed_mass @ twists
     mass = part.properties().mass * np.eye(3)
     assert rigid[:3, :3] == pytest.approx(mass, rel=1e-9, abs=1e-9)

@@ -69,8 +69,8 @@ def bar(request, tmp_path_factory):
     file, planes = read_here(path, "mm"), plane_ends(LENGTH)
     couplings = request.param.items()
     ends = {name: replace(planes[name], coupling=coupling) for name, coupling in couplings}
-    part = meshed_part(file.mesh, STEEL)
-    rooted = held_part(part, grips_of(file.mesh, find_interfaces(file, ends)), "bar")
+    part = meshed_part("bar", file.mesh, STEEL)
+    rooted = held_part(part, grips_of(file.mesh, find_interfaces(file, ends)))
     return Bar(part, rooted, held_body(rooted))
 
 

@@ -42,8 +42,8 @@ def love(thickness, n):
 
 def computed(thickness):
     """Return the frequencies (Hz) of two and three waves, in and out of the ring's plane."""
-    meshed = meshed_part(ring(thickness), Material.isotropic(E, NU, RHO))
-    modes = free_modes(free_part(meshed, "ring"), 8)
+    meshed = meshed_part("ring", ring(thickness), Material.isotropic(E, NU, RHO))
+    modes = free_modes(free_part(meshed), 8)
     assert modes.count >= 8
     pairs = modes.frequencies.reshape(4, 2)
     # The mesh is rotationally symmetric: cosine and sine waves have equal frequencies.
@@ -85,4 +85,4 @@ def test_unconnected_rings_are_refused():
         straightened=0,
     )
     with pytest.raises(NotPositiveDefiniteError, match="free to move as a rigid body"):
-        free_modes(free_part(meshed_part(two_rings, Material.isotropic(E, NU, RHO)), "rings"), 2)
+        free_modes(free_part(meshed_part("rings", two_rings, Material.isotropic(E, NU, RHO))), 2)

@@ -16,7 +16,7 @@ from lumped.sections import Rectangle
 from lumped.system.assembly import assemble
 from lumped.system.loads import loading, tool_displacements
 from lumped.system.solution import solved
-from validation.models.loads.forces import load_forces
+from validation.models.loads.statics import load_forces
 from validation.models.options import ModelOptions
 
 E, NU, WIDTH, HEIGHT = 2.1e11, 0.3, 0.03, 0.05

@@ -8,9 +8,8 @@ from lumped.mechanism.kinematics.postures import reference_posture
 from lumped.mechanism.load import InterfaceLoads
 from lumped.system.assembly import assemble
 from lumped.system.loads import loading
-from lumped.system.prestress import geometric_stiffness
 from lumped.system.solution import solved
-from lumped.system.stability import stability
+from lumped.system.stability import geometric_stiffness, stability
 
 # A rigid bar on two elastic seats A and B, pressed along its axis onto seat A by a force at P.
 BAR = """

@@ -102,7 +102,7 @@ def test_rounded_bar_mesh_keeps_volume(tmp_path):
     assert chords < -3e-3
     assert mesh.straightened == 0
     # The area error of a parabola over a short arc is below a hundredth of that of a chord.
-    filled = meshed_part(mesh, STEEL).properties().mass / STEEL.rho
+    filled = meshed_part("part", mesh, STEEL).properties().mass / STEEL.rho
     assert abs(filled / part.exact.volume - 1.0) < 0.01 * abs(chords)
 
 
@@ -182,7 +182,7 @@ def test_cut_at_reentrant_edge_keeps_part_shape(tmp_path, shape):
     assert np.abs(z) == pytest.approx(up, abs=1e-9)
     cut = cut_at_inner_edges(mesh)
     # Curved elements keep their shape, too: a piece of a quadratic element is quadratic.
-    masses = [meshed_part(m, STEEL).properties().mass for m in (mesh, cut)]
+    masses = [meshed_part("part", m, STEEL).properties().mass for m in (mesh, cut)]
     assert masses[1] == pytest.approx(masses[0], rel=1e-12)
     assert cell_volumes(cut).min() > 0.0
     # No gap inside: facets that belong to a single element are those on the faces of the part.

@@ -155,7 +155,7 @@ def true_compliance(part: RandomPart, fineness: float = 1.0) -> Array:
         Grip(part.coupling, faces[number], np.array([number * part.length, 0.0, 0.0]))
         for number in (0, 1)
     ]
-    return held_part(meshed_part(hexahedra, part.material), grips, "hexahedra").compliance
+    return held_part(meshed_part("hexahedra", hexahedra, part.material), grips).compliance
 
 
 def stated(part: RandomPart, folder: Path) -> tuple[Array, Array]:

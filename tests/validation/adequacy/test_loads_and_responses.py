@@ -17,8 +17,8 @@ from validation.adequacy.robot_verdicts import robot_subject, static_subject
 from validation.context import Context
 from validation.kinematics.poses import postures_of
 from validation.measured.matrix import measured_matrix
-from validation.models.loads.displacements import displacements, impossible_poses
 from validation.models.loads.stability import stabilities, stability_notes
+from validation.models.loads.statics import displacements, impossible_poses
 from validation.models.options import ModelOptions
 from validation.models.robot_models import mechanism_modes
 from validation.references.model_ladder import SOLID

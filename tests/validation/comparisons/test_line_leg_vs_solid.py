@@ -14,7 +14,7 @@ from lumped.errors import InputError
 from lumped.legs import ConstantLeg, LineLeg
 from lumped.mechanism.kinematics.postures import reference_posture
 from lumped.memo import forget
-from lumped.models.bodies import clamped_modes, legs_of
+from lumped.models.bodies import bent_legs, clamped_modes, legs_of
 from lumped.robot_file import load_robot
 from lumped.robot_file.load import robot_of
 from lumped.sections import HollowRectangle, Rectangle, Tube
@@ -29,7 +29,7 @@ from validation.comparisons.line_distortion import frequency_change
 from validation.comparisons.line_leg_vs_solid import cases, computed_tip, neglected
 from validation.context import Context
 from validation.models.leg_models import clamped_solid, leg_compliance
-from validation.models.loads.stability import bent_legs, stabilities
+from validation.models.loads.stability import stabilities
 from validation.models.options import ModelOptions
 from validation.references import reference_legs
 from validation.references.reference_legs import computed_elements

@@ -14,7 +14,7 @@ from lumped.mechanism.load import Load
 from lumped.sections import HollowRectangle, Rectangle
 from lumped.system.members import MemberForces
 from validation.forces.stresses import _loaded_sections, member_stress
-from validation.models.loads.forces import load_forces
+from validation.models.loads.statics import load_forces
 
 STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
 LENGTH, FORCE = 1.2, 1000.0

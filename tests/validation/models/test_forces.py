@@ -17,7 +17,7 @@ from lumped.mechanism.load import Load
 from lumped.mechanism.mechanism import GROUND
 from lumped.robot_file import load_robot
 from lumped.system.reactions import joint_axes
-from validation.models.loads.forces import load_forces
+from validation.models.loads.statics import load_forces
 from validation.models.options import ModelOptions
 
 # A carriage on two slides along x, each with a drive of its own, one behind a bar.

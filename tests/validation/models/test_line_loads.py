@@ -11,9 +11,8 @@ from lumped.mechanism.load import LineLoad
 from lumped.sections import Rectangle
 from lumped.system.line_loads import end_wrenches
 from validation.models.leg_models import condensed_leg
-from validation.models.loads.displacements import displacements
-from validation.models.loads.forces import load_forces
 from validation.models.loads.stability import stabilities
+from validation.models.loads.statics import displacements, load_forces
 from validation.models.options import ModelOptions
 from validation.references.mesh_uncertainty import LINE_ON_BEAMS
 

@@ -27,7 +27,7 @@ from lumped.system.joint_motion import Portion
 from lumped.system.loads import loading, work_on
 from lumped.system.solution import solved
 from validation.cases import ritz
-from validation.models.loads.displacements import displacements, interface_loads
+from validation.models.loads.statics import displacements, interface_loads
 from validation.models.options import ModelOptions
 from validation.models.robot_bodies import static_bodies
 from validation.models.robot_models import answers

@@ -10,7 +10,7 @@ from support.robots.robot_from_text import described
 from lumped.mechanism.kinematics.postures import reference_posture
 from lumped.mechanism.load import Load
 from lumped.robot_file import load_robot
-from validation.models.loads.forces import load_forces
+from validation.models.loads.statics import load_forces
 
 # A quarter and three quarters of the clamped beam.
 QUARTERED = BEAM.replace(f"[{L / 2}, 0.0, 0.0]", f"[{L / 4}, 0.0, 0.0]")

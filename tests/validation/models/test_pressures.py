@@ -12,10 +12,9 @@ from lumped.errors import InputError
 from lumped.mechanism.body import ByFaces
 from lumped.mechanism.kinematics.postures import reference_posture
 from validation.forces.analysis import forces
-from validation.models.loads.displacements import displacements
-from validation.models.loads.forces import load_forces
 from validation.models.loads.pressures import resultants
 from validation.models.loads.stability import gives_way_pressed, stabilities
+from validation.models.loads.statics import displacements, load_forces
 from validation.models.options import ModelOptions
 from validation.models.part_check import parts_text
 from validation.solve.answer_json import as_json

@@ -24,11 +24,10 @@ from lumped.robot_file.load import described_by
 from lumped.screws import shift
 from lumped.system.assembly import assemble
 from lumped.system.loads import loading
-from lumped.system.prestress import geometric_stiffness
 from lumped.system.solution import solved
-from lumped.system.stability import stability
-from validation.models.loads.displacements import interface_loads
+from lumped.system.stability import geometric_stiffness, stability
 from validation.models.loads.stability import prestressed_assembly, stabilities
+from validation.models.loads.statics import interface_loads
 from validation.models.options import ModelOptions
 from validation.models.robot_models import answers
 

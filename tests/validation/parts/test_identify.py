@@ -235,7 +235,7 @@ def test_half_width_has_meshes_and_couplings(folder, shaft):
     assert list(shaft["unknowns"]) == [mesh.unknowns for mesh in meshes]
 
     def results(mesh, coupling):
-        body = held_part(meshed_part(mesh, STEEL), grips_of(mesh, ends, coupling), "shaft")
+        body = held_part(meshed_part("shaft", mesh, STEEL), grips_of(mesh, ends, coupling))
         return body.compliance, body.uncounted_frequencies(1)
 
     compliances, frequencies = zip(*(results(mesh, "average") for mesh in meshes), strict=True)

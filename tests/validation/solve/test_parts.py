@@ -19,8 +19,8 @@ from validation.adequacy.robot_verdicts import robot_adequacy
 from validation.cases import other_solvers
 from validation.context import Context
 from validation.models import reduced_parts
-from validation.models.loads.displacements import displacements_of
 from validation.models.loads.pressures import resultants
+from validation.models.loads.statics import displacements_of
 from validation.models.robot_bodies import CUTOFF, dynamic_bodies
 from validation.models.robot_models import answers
 from validation.parts.meshes import MIDDLE

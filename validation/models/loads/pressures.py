@@ -1,7 +1,7 @@
 """Pressures on faces of CAD parts: selected faces, and equivalent wrenches on the interfaces.
 
 Input: a mechanism with loads, and models of its CAD parts. Output: wrenches of unit pressures on
-the interfaces (`fem.bodies.pressures`), and resultants of each pressure. Rule: these wrenches
+the interfaces (`fem.bodies.part`), and resultants of each pressure. Rule: these wrenches
 follow from the work of the pressure on the static displacements of the part due to motions of its
 interfaces. The displacements of the interfaces are then exact (Maxwell and Betti). Legs and rigid
 bodies that stand for a part carry the same wrenches at its interfaces.
@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fem.bodies.pressures import pressure_forces
+from fem.bodies.part import pressure_forces
 from lumped.arrays import Array
 from lumped.errors import InputError, collect_faults
 from lumped.mechanism.body import Body, Selection
@@ -20,13 +20,14 @@ from lumped.mechanism.body_model import BodyModel
 from lumped.mechanism.load import Pressure, PressureResultant
 from lumped.mechanism.mechanism import Mechanism
 from lumped.screws import shift
-from meshes.part.reading.read import PartFile
-from validation.models.reduced_parts import condensed, faces_of, found_in
+from meshes.part.faces import Face
+from meshes.part.interfaces import selected_faces
+from validation.models.reduced_parts import condensed, found_in
 
 
 @dataclass(frozen=True, eq=False)
 class PressedFaces:
-    """A pressure of the load named `load` on the `faces` (numbers) of a CAD part.
+    """A pressure of the load named `load` on the `faces` of a CAD part.
 
     `key` is the position of the pressure in the robot file.
     """
@@ -34,7 +35,7 @@ class PressedFaces:
     load: str
     key: str
     pressure: Pressure
-    faces: tuple[int, ...]
+    faces: tuple[Face, ...]
 
 
 def pressed_faces(mechanism: Mechanism) -> list[PressedFaces]:
@@ -48,7 +49,8 @@ def pressed_faces(mechanism: Mechanism) -> list[PressedFaces]:
     def with_faces(row: tuple[str, str, Pressure]) -> PressedFaces:
         load, key, pressure = row
         try:
-            faces = faces_of(mechanism.bodies[pressure.body], pressure.faces)
+            file, _ = found_in(mechanism.bodies[pressure.body])
+            faces = tuple(selected_faces(file, pressure.faces))
         except InputError as error:
             raise InputError(f"{key}: {fault}" for fault in error.faults) from error
         return PressedFaces(load, key, pressure, faces)
@@ -71,7 +73,7 @@ def unit_pressures(
     for row in pressed_faces(mechanism):
         body = row.pressure.body
         model = condensed(mechanism.bodies[body]) if parts is None else parts[body]
-        of_faces = [model.unit_pressures[number] for number in row.faces]
+        of_faces = [model.unit_pressures[face.number] for face in row.faces]
         wrenches[body, row.pressure.faces] = np.sum(of_faces, axis=0)
     return wrenches
 
@@ -86,7 +88,7 @@ def resultants(mechanism: Mechanism) -> dict[str, list[PressureResultant]]:
     for row in pressed_faces(mechanism):
         body = mechanism.bodies[row.pressure.body]
         of_faces = condensed(body).unit_pressures
-        wrenches = np.sum([of_faces[number] for number in row.faces], axis=0).reshape(-1, 6)
+        wrenches = np.sum([of_faces[face.number] for face in row.faces], axis=0).reshape(-1, 6)
         total = sum(
             shift(interface.position).T @ wrench
             for interface, wrench in zip(body.interfaces.values(), wrenches, strict=True)
@@ -102,7 +104,7 @@ def surface_resultants(mechanism: Mechanism) -> list[tuple[PressedFaces, Pressur
     points on the face.
     """
     return [
-        (row, _resultant(body, row, _on_surface(found_in(body)[0], row.faces)))
+        (row, _resultant(body, row, _on_surface(found_in(body)[0].surface, row.faces)))
         for row in pressed_faces(mechanism)
         for body in (mechanism.bodies[row.pressure.body],)
     ]
@@ -110,20 +112,23 @@ def surface_resultants(mechanism: Mechanism) -> list[tuple[PressedFaces, Pressur
 
 def _resultant(body: Body, row: PressedFaces, unit: Array) -> PressureResultant:
     """Resultant of the pressure `row`, from the resultant wrench `unit` (6) of 1 Pa."""
-    file, _ = found_in(body)
-    area = float(sum(file.face(number).area for number in row.faces))
+    area = float(sum(face.area for face in row.faces))
+    numbers = tuple(face.number for face in row.faces)
     force, moment = np.split(row.pressure.pressure * unit, 2)
-    return PressureResultant(body.name, row.faces, row.pressure.pressure, area, force, moment)
+    return PressureResultant(body.name, numbers, row.pressure.pressure, area, force, moment)
 
 
-def _on_surface(file: PartFile, faces: Sequence[int]) -> Array:
-    """Force, and moment about the origin, (6) of 1 Pa on faces of the surface in a file."""
+def _on_surface(nodes: Array, faces: Sequence[Face]) -> Array:
+    """Force, and moment about the origin, (6) of 1 Pa on faces.
+
+    `nodes` (n×3, in m) are those of the surface in the file of the part.
+    """
     total = np.zeros(6)
-    for face in map(file.face, faces):
+    for face in faces:
         if face.kind == "plane":
             forces, points = -face.area * face.direction[None], face.centre[None]
         else:
-            forces = pressure_forces(file.surface, face.facets)
-            points = file.surface[face.facets.nodes]
+            forces = pressure_forces(nodes, face.facets)
+            points = nodes[face.facets.nodes]
         total += np.concatenate([forces.sum(axis=0), np.cross(points, forces).sum(axis=0)])
     return total

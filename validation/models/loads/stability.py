@@ -7,6 +7,7 @@ the effect of the axial force on their stiffness.
 """
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -20,23 +21,20 @@ from lumped.acceptance.quantities import AXES, Quantity, load_quantities
 from lumped.acceptance.requirement import Requirement
 from lumped.arrays import dense
 from lumped.errors import ComputationError
-from lumped.legs import LineLeg, SectionedLeg, is_bent
+from lumped.legs import LineLeg, SectionedLeg
 from lumped.mechanism.kinematics.postures import shown_pose
 from lumped.mechanism.load import Load
-from lumped.mechanism.mechanism import Mechanism, Posture
+from lumped.mechanism.mechanism import Posture
 from lumped.memo import memo
 from lumped.model_choices import Theory
-from lumped.models.bodies import legs_of
-from lumped.system.assembly import Assembly, assembly
-from lumped.system.loads import loading
-from lumped.system.prestress import Prestressed, geometric_stiffness
+from lumped.models.bodies import bent_legs
+from lumped.system.assembly import Assembly
 from lumped.system.solution import solved
-from lumped.system.stability import Stability, stability
+from lumped.system.stability import Prestressed, Stability, geometric_stiffness, stability
 from validation.drawing.text import number, percent
-from validation.models.leg_models import filled
-from validation.models.loads.displacements import interface_loads_of
+from validation.models.loads.statics import interface_loads_of, loadings
 from validation.models.options import DEFAULT_OPTIONS, ModelName, ModelOptions
-from validation.models.robot_bodies import on_drives_alone, released, sectioned_legs, static_bodies
+from validation.models.robot_bodies import sectioned_legs, static_assembly
 
 # Elements and modes of a leg. With ten elements the error of the buckling load is 2e-4 for clamped
 # ends and less for others; with 24 modes with clamped ends the error of the reduction is 1e-4.
@@ -62,21 +60,18 @@ def stabilities(
         return [[None for _ in mechanism.loads] for _ in postures]
     if not mechanism.loads:
         return [[] for _ in postures]
-    loaded_bodies = interface_loads_of(model, mechanism, options)
     prepared, legs = prestressed_assembly(model, postures, options)
-
+    loaded_bodies = interface_loads_of(model, mechanism, options)
     rows: list[list[Stability | None]] = []
     for posture in postures:
         solution = solved(prepared.at(posture))
         row: list[Stability | None] = []
-        for load in mechanism.loads:
-            try:
-                loadings = loading(posture, load, loaded_bodies, options.theory)
-            except ComputationError:
+        for load in loadings(posture, loaded_bodies, options.theory):
+            if load is None:
                 row.append(None)
                 continue
-            geometric = geometric_stiffness(solution, loadings, legs)
-            row.append(stability(solution, geometric, loadings, count))
+            geometric = geometric_stiffness(solution, load, legs)
+            row.append(stability(solution, geometric, load, count))
         rows.append(row)
     return rows
 
@@ -91,26 +86,20 @@ def gives_way_pressed(load: Load, result: Stability) -> bool:
     return next(iter(result.shares), None) in {pressure.body for pressure in load.pressures}
 
 
-def bent_legs(mechanism: Mechanism) -> list[str]:
-    """Names of the legs whose centre line is not straight, for which buckling is not computed."""
-    return [name for name, leg in legs_of(mechanism).items() if is_bent(leg)]
-
-
 def prestressed_assembly(
     model: ModelName, postures: Sequence[Posture], options: ModelOptions
 ) -> tuple[Assembly, dict[str, Prestressed]]:
     """Assembly of a model, and data for the geometric stiffness of its legs, by body name."""
-    mechanism = postures[0].mechanism
-    if model == "simplified":
-        return assembly(on_drives_alone(mechanism), {}), {}
-    body_models = static_bodies(model, mechanism, options)
-    bodies = {name: filled(body) for name, body in body_models.items()}
+    prepared = static_assembly(model, postures, options)
+    bodies = dict(prepared.models)
     legs: dict[str, Prestressed] = {}
-    for name, leg, _ in sectioned_legs(mechanism, options):
-        prestressed = _prestressed(leg, options.theory)
-        bodies[name] = between(prestressed, dense(body_models[name].stiffness))
-        legs[name] = prestressed.geometric_stiffness
-    return assembly(released(postures, options)[0].mechanism, bodies), legs
+    for name, leg, _ in sectioned_legs(postures[0].mechanism, options):
+        # Legs are rigid in the simplified model.
+        if name in bodies:
+            prestressed = _prestressed(leg, options.theory)
+            bodies[name] = between(prestressed, dense(prepared.models[name].stiffness))
+            legs[name] = prestressed.geometric_stiffness
+    return replace(prepared, models=bodies), legs
 
 
 @memo(64)

@@ -1,15 +1,16 @@
-"""Displacements of the tool under the loads of the robot file, by any model.
+"""Displacements of the tool, and forces in joints and legs, under the loads of the robot file.
 
-Input: postures of a mechanism with loads, and a model. Output: twists of the loaded point (p
-postures × l loads × 6, m and rad, base axes). Rule: weight and inertia act on the masses of the
-model. If the model has no mass, weight and inertia act on the following masses: those of beams for
-legs with a section, those of the robot file for legs specified by their 6×6 compliance, and those
-of the part for CAD parts. If a body is rigid in the model, the loads on its mass act as a
-statically equivalent wrench.
+Input: postures of a mechanism with loads, and any model. Output: twists of the loaded point (p
+postures × l loads × 6, m and rad, base axes); for each posture and load the wrench that each joint
+transmits, and the forces and moments along each leg. Rule: weight and inertia act on the masses of
+the model. If the model has no mass, weight and inertia act on the following masses: those of beams
+for legs with a section, those of the robot file for legs specified by their 6×6 compliance, and
+those of the part for CAD parts. If a body is rigid in the model, the loads on its mass act as a
+statically equivalent wrench. Forces follow from equilibrium of each body.
 """
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -17,7 +18,7 @@ from fem.beams.stepped import SteppedLeg
 from fem.reduction.superelement import held_leg, static_superelement
 from lumped.arrays import Array, dense
 from lumped.errors import ComputationError
-from lumped.legs import GivenLeg, Leg, SectionedLeg
+from lumped.legs import GivenLeg, Leg, SectionedLeg, is_bent
 from lumped.mechanism.body_model import BodyModel, LegMatrices
 from lumped.mechanism.kinematics.accelerations import accelerations
 from lumped.mechanism.load import InterfaceLoads, Load, Loading
@@ -27,7 +28,9 @@ from lumped.models import serial_chains
 from lumped.models.bodies import legs_of
 from lumped.system.assembly import Assembly, assembly
 from lumped.system.loads import loading, tool_displacements
-from lumped.system.solution import solved
+from lumped.system.members import MemberForces, member_forces
+from lumped.system.reactions import Reaction, internal_forces, reaction
+from lumped.system.solution import Solved, solved
 from validation.models.leg_models import condensed_leg, leg_matrices
 from validation.models.loads.leg_masses import MASSES, Masses, ends_mass
 from validation.models.loads.pressures import unit_pressures
@@ -35,11 +38,35 @@ from validation.models.options import DEFAULT_OPTIONS, STATIC, ModelName, ModelO
 from validation.models.reduced_parts import condensed
 from validation.models.robot_bodies import (
     bodies_of,
-    on_drives_alone,
-    released,
     springs_of,
+    static_assembly,
     static_bodies,
 )
+
+
+@dataclass(frozen=True, eq=False)
+class BodyEnds:
+    """Forces and displacements at the k interfaces of a deformable body, in body axes.
+
+    `wrenches` (6k, N and N m) are those that joints, and loads at points, exert on the body.
+    `twists` (6k, in m and rad) are displacements and rotations.
+    """
+
+    wrenches: Array
+    twists: Array
+
+
+@dataclass(frozen=True, eq=False)
+class LoadForces:
+    """Wrenches of all joints, and forces along all straight legs, under one load in one posture.
+
+    Joints and legs are in the order of the robot file. `ends`: wrenches and twists at the
+    interfaces of each deformable body, by its name.
+    """
+
+    reactions: tuple[Reaction, ...]
+    members: tuple[MemberForces, ...]
+    ends: Mapping[str, BodyEnds]
 
 
 def displacements(
@@ -57,11 +84,7 @@ def displacements(
     if model == "vjm":
         springs = springs_of(mechanism, options)
         return displacements_by(by_chains(springs), postures, bodies, options.theory)
-    if model == "simplified":
-        prepared = assembly(on_drives_alone(mechanism), {})
-    else:
-        ready = released(postures, options)[0].mechanism
-        prepared = assembly(ready, static_bodies(model, mechanism, options))
+    prepared = static_assembly(model, postures, options)
     return displacements_by(_assembled(prepared), postures, bodies, options.theory)
 
 
@@ -102,19 +125,65 @@ def displacements_by(
     loads along legs to loads at their ends. NaN if the mechanism cannot move as a load requires.
     Shapes: p postures, l loads.
     """
-    loads = postures[0].mechanism.loads
-    displacements = np.full((len(postures), len(loads), 6), np.nan)
+    mechanism = postures[0].mechanism
+    displacements = np.full((len(postures), len(mechanism.loads), 6), np.nan)
     for posture, by_load in zip(postures, displacements, strict=True):
-        solvable, loadings = [], []
-        for number, load in enumerate(loads):
-            try:
-                loadings.append(loading(posture, load, bodies, theory))
-            except ComputationError:
-                continue
-            solvable.append(number)
-        if solvable:
-            by_load[solvable] = solve(posture, loadings)
+        acting = loadings(posture, bodies, theory)
+        if possible := [load for load in acting if load is not None]:
+            by_load[[load is not None for load in acting]] = solve(posture, possible)
     return displacements
+
+
+def loadings(
+    posture: Posture, bodies: InterfaceLoads, theory: Theory = "timoshenko"
+) -> list[Loading | None]:
+    """Wrenches of each load of the robot file in a posture.
+
+    None if the mechanism cannot move as the load requires. Arguments as for `displacements_by`.
+    """
+    acting: list[Loading | None] = []
+    for load in posture.mechanism.loads:
+        try:
+            acting.append(loading(posture, load, bodies, theory))
+        except ComputationError:
+            acting.append(None)
+    return acting
+
+
+def load_forces(
+    model: ModelName, postures: Sequence[Posture], options: ModelOptions = DEFAULT_OPTIONS
+) -> list[list[LoadForces | None]]:
+    """Forces in joints and legs for each posture (outer list) under each load (inner list).
+
+    None if the mechanism cannot move as a load requires. Raises the exceptions of `displacements`.
+    """
+    bodies = interface_loads_of(model, postures[0].mechanism, options)
+    prepared = static_assembly(model, postures, options)
+    rows: list[list[LoadForces | None]] = []
+    for posture in postures:
+        solution = solved(prepared.at(posture))
+        acting = loadings(posture, bodies, options.theory)
+        rows.append([None if load is None else _load_forces(solution, load) for load in acting])
+    return rows
+
+
+def _load_forces(solution: Solved, load: Loading) -> LoadForces:
+    posture, forces = solution.system.posture, internal_forces(solution, load)
+    return LoadForces(
+        tuple(reaction(posture, joint, load) for joint in forces.joints),
+        tuple(
+            member_forces(posture, name, forces, load)
+            for name, leg in legs_of(posture.mechanism).items()
+            if not is_bent(leg)
+        ),
+        {
+            name: BodyEnds(
+                of_body.at_interfaces,
+                solution.system.body_unknowns(name, forces.displacements)[: len(of_body.elastic)],
+            )
+            for name, of_body in forces.bodies.items()
+        },
+    )
 
 
 def impossible_poses(postures: Sequence[Posture], load: Load) -> int:
