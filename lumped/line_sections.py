@@ -169,11 +169,15 @@ class LineSections:
     def edges(self, elements: int) -> Array:
         """Ends (m along the line) of about `elements` elements, each of which lies within one span.
 
-        The number of elements in a span is proportional to its length and rounded up. A doubled
-        count halves all elements if no number had to be rounded.
+        The number of elements in a span is proportional to its length and rounded up. It is rounded
+        for a count that is halved as often as possible, so that twice as many `elements` halve
+        every element from one element for each span on. Orders of convergence require this.
         """
-        lengths = np.diff(self.ends)
-        counts = np.ceil(elements * lengths / self.ends[-1] - TOGETHER).astype(int)
+        lengths, halvings = np.diff(self.ends), 1
+        while elements % (2 * halvings) == 0 and elements // (2 * halvings) >= len(lengths):
+            halvings *= 2
+        shares = lengths / self.ends[-1]
+        counts = halvings * np.ceil(elements // halvings * shares - TOGETHER).astype(int)
         pieces = [
             start + length * np.arange(count) / count
             for start, length, count in zip(self.ends, lengths, np.maximum(counts, 1), strict=False)

@@ -275,3 +275,25 @@ def test_curved_segments_keep_mass(layout):
     assert np.abs(total - about).max() < EXACT * np.abs(about).max()
     volume = np.pi * (0.05**2 - 0.042**2) / 4.0 * 0.5 * 2.0
     assert leg.mass == pytest.approx(STEEL.rho * volume, rel=EXACT)
+
+
+def test_doubled_count_halves_every_element():
+    """A leg with a corner whose pieces have lengths of 4 : 3, and one with a short middle span."""
+    corner = CentreLine(
+        (
+            LinePiece((0.0, 0.0, 0.0), (0.32, 0.24, 0.0)),
+            LinePiece((0.32, 0.24, 0.0), (0.5, 0.0, 0.0)),
+        ),
+        UP,
+    )
+    square = Rectangle(0.04, 0.04)
+    frame = LineLeg(corner, ((0.0, square), (corner.length, square)), STEEL)
+    wide = Rectangle(0.06, 0.04)
+    stepped = straight((0.0, wide), (0.5, wide), (0.55, square), (LENGTH, square))
+    for leg, spans in ((frame, 2), (stepped, 3)):
+        sections = leg.sections("timoshenko")
+        assert len(sections.ends) == spans + 1
+        for count in range(spans, 41):
+            edges = sections.edges(count)
+            np.testing.assert_allclose(sections.edges(2 * count)[::2], edges, atol=1e-15)
+            assert len(edges) - 1 >= count
