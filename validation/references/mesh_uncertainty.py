@@ -4,9 +4,10 @@ Input: solved displacements or modes of the reference under one reading of the r
 relative half-widths for each pose and quantity. Rule: for each kind of mesh, the quantity is solved
 on two or three meshes, and a `MeshPolicy` computes the half-width from the change between meshes.
 
-The element length along the legs is studied with solid legs, the mesh of their cross-sections with
-beams whose section constants are computed on that mesh. CAD parts are solved on three meshes, under
-the first reading of the robot file only.
+The element length along the legs is studied with solid legs. The mesh of their cross-sections is
+studied with beams whose section constants are computed on that mesh, and by the distortion of the
+sections under their inertia (`fem.sections.inertial_distortion`), which beams do not contain. CAD
+parts are solved on three meshes, under the first reading of the robot file only.
 """
 
 from collections.abc import Callable, Sequence
@@ -17,7 +18,7 @@ import numpy as np
 
 from lumped.acceptance.quantities import MOST_MODES, UNIT_LOADS
 from lumped.arrays import Array
-from lumped.legs import is_bent
+from lumped.legs import GivenLeg, is_bent
 from lumped.mechanism.load import Load
 from lumped.mechanism.mechanism import Mechanism
 from lumped.models.bodies import legs_of
@@ -27,6 +28,7 @@ from validation.references.modes_on_path import solid_meshes
 from validation.references.reference import SourceHalfWidths
 from validation.references.reference_legs import (
     SECTION_RATIO,
+    distortion_change,
     shares_section,
     slowest,
     solid_leg,
@@ -37,6 +39,7 @@ from validation.references.robot_on_path import MeshKind, Reading, RobotOnPath
 from validation.responses.displacement import sizes
 from validation.responses.mode_partners import frequency_changes, shares_by_shape
 from validation.responses.statics_and_modes import PathModes, Statics
+from validation.solids.leg_meshes import COARSEST_WALLS
 from validation.uncertainty.half_widths import MeshPolicy, half_widths_on, relative_sizes
 
 H = TypeVar("H")
@@ -201,7 +204,29 @@ def frequency_half_widths(responses: Responses, reading: Reading) -> Array:
         beams = solve(_section_beams(reading), reading)
         section_half_widths = _MODAL_SECTIONS.half_widths(responses, reading, solve, _all_changes)
         half_widths += shares_by_shape(fine, beams, section_half_widths, robot.judged_count)
+        half_widths += distortion_half_widths(robot, fine)[:, : robot.judged_count]
     return np.where(np.isnan(half_widths), UNKNOWN, half_widths)
+
+
+def distortion_half_widths(robot: RobotOnPath, modes: PathModes) -> Array:
+    """Relative half-widths (P×m) of frequencies, since section meshes distort too little.
+
+    Thin walls have the same section mesh in the coarse and in the fine solid, with one element
+    across. It is too stiff against bending of the walls, by which inertia distorts the sections.
+    The change to a finer section mesh follows from the motions of the sections in the `modes`.
+    Array sizes: P poses, m modes.
+    """
+    mesh = solid_meshes(robot.context.meshes).fine._replace(least=COARSEST_WALLS)
+    shares = np.zeros_like(modes.frequencies)
+    for name, leg in robot.legs.items():
+        if isinstance(leg, GivenLeg):
+            continue
+        change = robot.context.get(distortion_change, leg, mesh.section_divisions(leg))
+        for pose, samples in enumerate(modes.samples):
+            motions = robot.samples.section_motions(name, samples)
+            shares[pose] += np.einsum("sim,ij,sjm->m", motions, change, motions)
+    changes = 0.5 * np.square(2.0 * np.pi * modes.frequencies) * np.abs(shares)
+    return slowest(SECTION_RATIO).half_widths(changes)
 
 
 def _first_changes(first: PathModes, second: PathModes, fine: PathModes) -> Array:

@@ -101,6 +101,35 @@ class Samples:
             inside += np.maximum(energy - sampled_energy, 0.0)
         return np.asarray(np.clip(1.0 - inside, 0.0, 1.0))
 
+    def section_motions(self, leg: str, samples: Array) -> Array:
+        """Motions (s×3×m) of the s sampled sections of a leg in their planes, in m mode shapes.
+
+        `samples` (k×m): result of `Samples.at`, or of `PathModes.samples`. The three motions of a
+        section are translations along its y and z axes and the rotation about its normal, each
+        times the root of its mass or moment of inertia. Their squares are shares of the kinetic
+        energy if the shapes are mass-normalised.
+        """
+        names = list(self.points)
+        before = names[: names.index(leg)]
+        first = 3 + 6 * len(self.turned) + 3 * sum(len(self.points[name]) for name in before)
+        corners = self.points[leg].reshape(-1, len(_CORNERS), 3)
+        moved = samples[first : first + corners.size].reshape(*corners.shape, -1)
+        masses = self.prisms[leg].reshape(-1, len(_CORNERS))
+        axes = np.stack([corners[:, 0] - corners[:, 1], corners[:, 0] - corners[:, 3]])
+        axes /= np.linalg.norm(axes, axis=2, keepdims=True)
+        offsets = corners - corners.mean(axis=1, keepdims=True)
+        y, z = np.einsum("ask,sck->asc", axes, offsets)
+        along = np.einsum("ask,sckm->ascm", axes, moved)
+        momentum = np.einsum("sc,ascm->asm", masses, along)
+        angular = np.einsum("sc,scm->sm", masses * y, along[1])
+        angular -= np.einsum("sc,scm->sm", masses * z, along[0])
+        inertia = (masses * (y**2 + z**2)).sum(axis=1)
+        motions = [
+            *(momentum / np.sqrt(masses.sum(axis=1))[:, None]),
+            angular / np.sqrt(inertia)[:, None],
+        ]
+        return np.stack(motions, axis=1)
+
 
 def samples_of(mechanism: Mechanism) -> Samples:
     """Sample points of a mechanism: tool, rigid bodies with mass, legs and CAD parts."""

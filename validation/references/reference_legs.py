@@ -14,6 +14,7 @@ import numpy as np
 
 from fem.beams.beam import beam_leg, warping_beam_leg
 from fem.beams.line_beam import line_beam
+from fem.sections.inertial_distortion import distortion_flexibility
 from fem.sections.nonuniform_torsion import held_torsion_compliance
 from lumped.arrays import Array
 from lumped.beam_properties import tip_compliance
@@ -24,8 +25,9 @@ from lumped.line_sections import LineSections
 from lumped.mechanism.body_model import LegMatrices
 from lumped.memo import memo
 from lumped.model_choices import Ends
-from lumped.sections import Rectangle
-from meshes.section.section_mesh import section_mesh
+from lumped.sections import Composite, Laminate, Rectangle
+from meshes.loft import solid_section
+from meshes.section.section_mesh import SectionMesh, section_mesh
 from validation.context import Context, Preset
 from validation.models.leg_models import clamped_solid
 from validation.references.reference import finer_by
@@ -163,6 +165,34 @@ def _usual_divisions(preset: Preset, leg: LineLeg) -> tuple[int, int]:
     if isinstance(section_of(leg), Rectangle):
         return DIVISIONS[preset] - 1, DIVISIONS[preset]
     return COARSEST_WALLS // 2, max(COARSEST_WALLS, WALL_DIVISIONS[preset])
+
+
+def distortion_change(leg: SectionedLeg, divisions: int) -> Array:
+    """Change (3×3, s²) of a leg's `distortion_flexibility` from its solid's section mesh.
+
+    It is the change to the mesh for section constants, with `SECTION_DIVISIONS`; `divisions` are
+    those of the solid's section mesh. Of a leg of varying section it is the largest change at its
+    stations. Zero for rectangles, whose coarse and fine solids have different section meshes, and
+    for sections of several materials or fibre layers, which have no such theory.
+    """
+    if isinstance(section_of(leg), Rectangle | Composite | Laminate):
+        return np.zeros((3, 3))
+    changes = [
+        distortion_flexibility(fine, leg.material) - distortion_flexibility(coarse, leg.material)
+        for coarse, fine in zip(
+            *(_station_meshes(leg, number) for number in (divisions, SECTION_DIVISIONS)),
+            strict=True,
+        )
+    ]
+    return max(changes, key=np.trace)
+
+
+def _station_meshes(leg: SectionedLeg, divisions: int) -> list[SectionMesh]:
+    """Section meshes of a leg's solid at all stations of the leg, or the one of a prism."""
+    if isinstance(leg, ConstantLeg):
+        return [section_mesh(leg.section, divisions)]
+    sections = dict.fromkeys(section for _, section in leg.stations)
+    return [solid_section(leg, section, divisions) for section in sections]
 
 
 def require_line_solid(preset: Preset, leg: LineLeg) -> None:

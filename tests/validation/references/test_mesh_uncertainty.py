@@ -5,14 +5,18 @@ import pytest
 from support.fakes.toy_responses import NO_ROBOT
 from support.robots.paper_legs import STEEL
 
+from fem.beams.beam_theory import cantilever_frequencies
+from fem.sections.inertial_distortion import distortion_flexibility
 from lumped.centre_line import CentreLine, LinePiece
 from lumped.errors import InputError
-from lumped.legs import LineLeg
+from lumped.legs import ConstantLeg, LineLeg
 from lumped.robot_file import load_robot
+from lumped.robot_file.load import robot_of
 from lumped.sections import HollowRectangle
 from meshes.section.section_mesh import section_mesh
 from validation.context import Context
 from validation.references import mesh_uncertainty
+from validation.references.modes_on_path import modes_of_computed_beams
 from validation.references.reference_legs import (
     SECTION_DIVISIONS,
     SLOWEST_ORDER,
@@ -60,6 +64,54 @@ def test_taper_too_thin_for_preset_is_refused():
     leg = tapered_box(0.002, 0.8)
     with pytest.raises(InputError, match=r"5 divisions .*; --preset standard allows this solid"):
         solid_leg(Context(NO_ROBOT, "quick"), leg)
+
+
+def test_distortion_half_width_follows_kinds_of_motion():
+    """Box with walls of 3 mm, one section mesh in both solids: modes in both planes and torsion.
+
+    The change of each frequency to a section mesh of half the element size is ½ ω² Δβ of the mode's
+    kind of motion. For f1 it is 0.11 %, which the change between the solids does not show.
+    """
+    section = HollowRectangle(0.1, 0.16, 0.003)
+    leg = ConstantLeg(0.9, section, STEEL, ends="free")
+    robot = robot_of(
+        {
+            "schema": 2,
+            "name": "boom",
+            "points": {"A": [0.0, 0.0, 0.0], "B": [0.9, 0.0, 0.0]},
+            "bodies": {
+                "boom": {
+                    "from": "A",
+                    "to": "B",
+                    "section": {
+                        "shape": "hollow-rectangle",
+                        "width": 0.1,
+                        "height": 0.16,
+                        "thickness": 0.003,
+                    },
+                    "material": {"E": STEEL.E, "nu": STEEL.nu, "rho": STEEL.rho},
+                    "ends": "free",
+                }
+            },
+            "joints": {"root": {"type": "fixed", "between": ["ground", "boom"], "at": "A"}},
+            "tool": {"body": "boom", "point": "B", "moves": []},
+        }
+    )
+    on_path = robot_on_path(Context(robot, "quick"))
+    modes = modes_of_computed_beams(on_path, None)
+    half_widths = mesh_uncertainty.distortion_half_widths(on_path, modes)[0]
+    change = np.diag(
+        distortion_flexibility(section_mesh(section, SECTION_DIVISIONS), STEEL)
+        - distortion_flexibility(section_mesh(section, COARSEST_WALLS), STEEL)
+    )
+    kinds = cantilever_frequencies(leg.timoshenko, leg.length, 4)
+    for axis, name in enumerate(("bending z", "bending y", "torsion")):
+        index = [mode.kind for mode in kinds].index(name)
+        expected = 0.5 * (2.0 * np.pi * modes.frequencies[0, index]) ** 2 * change[axis]
+        factor = UNPROVEN / (1.0 - (COARSEST_WALLS / SECTION_DIVISIONS) ** SLOWEST_ORDER)
+        # Rotary inertia has up to 2 % of the kinetic energy.
+        assert half_widths[index] == pytest.approx(factor * expected, rel=0.025)
+    assert half_widths[0] > 1.1e-3
 
 
 def tapered_box(thickness, length):
