@@ -1,25 +1,44 @@
-"""Walls of a rectangular tube that bend where a taper begins or ends.
+"""Walls of a tapered box or I-section that bend where a taper begins or ends.
 
 At such a kink the direction of a wall jumps by the angle α. The wall's normal force n per width is
-deflected there, and loads the wall by n α along the kink, across the wall. The wall of width w
-bends as a plate, so that the tube yields to tension and bending. A load p = p₀ + p₁ 2y/w on the
-kink of an infinite strip with simply supported edges does the work
+deflected there, and loads the wall by n α along the kink, across the wall. The wall bends as a
+plate, so that the leg yields to tension and bending. This adds works, of which upper bounds are
+known. D = E t³/12(1 − ν²) is the plate's stiffness.
 
-    w⁴ (c₀ p₀² + c₁ p₁²)/D,   c₀ = 2/π⁵ Σ 1/n⁵ (n odd),   c₁ = 1/16π⁵ Σ 1/m⁵,   D = E t³/12(1 − ν²)
+Box: a wall of width w is an infinite strip whose edges are simply supported. A load p = p₀ + p₁
+2y/w on the kink does the work
 
-(S. P. Timoshenko, S. Woinowsky-Krieger, Theory of Plates and Shells, ch. 5). This is an upper
-bound: neighbouring walls restrain the edges, and normal stresses avoid the middle of the wall. No
-beam theory has this flexibility. It grows with α² and, relative to that of the tube, with (w/t)².
+    w⁴ (c₀ p₀² + c₁ p₁²)/D,   c₀ = 2/π⁵ Σ 1/n⁵ (n odd),   c₁ = 1/16π⁵ Σ 1/m⁵
+
+(S. P. Timoshenko, S. Woinowsky-Krieger, Theory of Plates and Shells, ch. 5). Neighbouring walls
+restrain the edges, and normal stresses avoid the middle of the wall.
+
+I-section: half a flange is an infinite strip of width c, clamped to the web at s = 0 if the load is
+equal on both halves. Under bending about z the load is of opposite sense on them. Then the flange
+rolls about the web's edge, against the web's resistance r = D_w/h per length and half flange, with
+the plate stiffness D_w and the height h of the web. Without its resistance to twist, and since
+2ν ∂²w/∂x² ∂²w/∂s² is at least −ν times the sum of both squares, the strip has at least the energy
+of independent beams on elastic foundations along x,
+
+    ½ (1 − ν) D ∫∫ (∂²w/∂x²)² + (∂²w/∂s²)² ds dx + ½ r ∫ (∂w/∂s)² dx   (last term at s = 0).
+
+With the modes φ of a cantilever across the flange, of stiffness κ for ∫ φ² ds = 1, a load p does
+the work Σ (∫ p φ ds)²/(2√2 B^¼ κ^¾), B = (1 − ν) D (M. Hetényi, Beams on Elastic Foundation).
+
+No beam theory has this flexibility. It grows with α² and, relative to that of the leg, with
+(w/t)². The bounds for tension and for both directions of bending are added.
 """
 
+from collections.abc import Callable
 from itertools import pairwise
 
 import numpy as np
+from scipy.linalg import eigh
 from scipy.special import zeta
 
 from lumped.arrays import Array
-from lumped.legs import LineLeg
-from lumped.sections import HollowRectangle
+from lumped.legs import LineLeg, Material
+from lumped.sections import HollowRectangle, ISection, Section
 
 # Factors c₀ of a uniform and c₁ of a linear load. Of all terms of Σ 1/n⁵, those with odd n are
 # 31/32.
@@ -27,53 +46,121 @@ _UNIFORM = float(2.0 / np.pi**5 * (31.0 / 32.0) * zeta(5))
 _LINEAR = float(zeta(5) / (16.0 * np.pi**5))
 # Angle (rad) below which a wall has no kink: round-off of its slopes.
 _STRAIGHT = 1e-9
+# Degree of the polynomials for deflections across half a flange. The works are exact to 1e-6.
+_DEGREE = 8
 
 
 def kink_compliances(leg: LineLeg) -> Array:
     """Upper bounds (6, SI) of what kinks of the walls add to the diagonal of the tip compliance.
 
-    Zero in torsion, and if the leg is bent or is not a rectangular tube.
+    Zero in torsion, and if `kink_works` is zero.
     """
-    bounds = np.zeros(6)
-    if not leg.line.is_straight:
-        return bounds
+
+    def resultants(position: float) -> Array:
+        lever = leg.length - position
+        tension = [1.0, 0.0, 0.0, 0.0, 0.0, 0.0]
+        about_y, about_z = [0.0, 0.0, lever, 0.0, 1.0, 0.0], [0.0, lever, 0.0, 0.0, 0.0, 1.0]
+        return np.array([tension, about_y, about_z])
+
+    return kink_works(leg, resultants)
+
+
+def kink_works(leg: LineLeg, resultants: Callable[[float], Array]) -> Array:
+    """Upper bounds (m, in J) of the work that m loads do by bending walls at kinks.
+
+    `resultants` is a function that returns the tension N and the bending moments My and Mz (3×m, N
+    and N m) at a position (m along the line). Zero if the leg is bent, or if its sections are not
+    all boxes or all I-sections.
+    """
+    shapes = {type(section) for _, section in leg.stations}
+    works = np.zeros(resultants(0.0).shape[1])
+    if not leg.line.is_straight or shapes not in ({HollowRectangle}, {ISection}):
+        return works
     for before, after in pairwise(leg.spans):
-        tubes = before.first, before.last, after.first, after.last
-        if not all(isinstance(section, HollowRectangle) for section in tubes):
-            return np.zeros(6)
         rates = [
             np.subtract(span.last.extent, span.first.extent) / (span.end - span.start)
             for span in (before, after)
         ]
         jumps = 0.5 * np.abs(rates[1] - rates[0])
         angles = np.where(jumps > _STRAIGHT, jumps, 0.0)
+        at_kink = resultants(after.start)
         # At a step of the thickness, the walls of one side alone could bear the load.
-        sides = [_at_kink(leg, after.start, tube, angles) for tube in (before.last, after.first)]
-        bounds += np.maximum(*sides)
-    return bounds
-
-
-def _at_kink(leg: LineLeg, position: float, tube: object, jumps: Array) -> Array:
-    """Contributions (6, SI) of the kink at `position` (m), with the section `tube` there.
-
-    `jumps` are the angles α (rad) of the walls across y, and of those across z.
-    """
-    if not isinstance(tube, HollowRectangle):
-        raise TypeError(f"{tube}: is not a rectangular tube")
-    t, lever = tube.thickness, leg.length - position
-    b, h = tube.width - t, tube.height - t
-    plate = leg.material.E * t**3 / (12.0 * (1.0 - leg.material.nu**2))
-    # Moments My and Mz at the kink due to unit loads at the tip, along or about each axis.
-    tension = np.array([1.0, 0.0, 0.0, 0.0, 0.0, 0.0]) / tube.area
-    about_y = np.array([0.0, 0.0, lever, 0.0, 1.0, 0.0]) / tube.second_moment_y
-    about_z = np.array([0.0, lever, 0.0, 0.0, 0.0, 1.0]) / tube.second_moment_z
-    works = np.zeros(6)
-    for width, distance, jump, constant, linear in (
-        (h, b, jumps[0], about_z, about_y),
-        (b, h, jumps[1], about_y, about_z),
-    ):
-        # Tension and bending act alone, so that their squares add up.
-        uniform = tension**2 + (0.5 * distance * constant) ** 2
-        squares = _UNIFORM * uniform + _LINEAR * (0.5 * width * linear) ** 2
-        works += 2.0 * width**4 / plate * (t * jump) ** 2 * squares
+        sides = [
+            _works(section, leg.material, angles, at_kink) for section in (before.last, after.first)
+        ]
+        works += np.maximum(*sides)
     return works
+
+
+def _works(section: Section, material: Material, angles: Array, resultants: Array) -> Array:
+    """Works (m, in J) at a kink of a section.
+
+    `angles` α (2, rad) are those of the walls across y, and of those across z. `resultants` (3×m)
+    are N, My and Mz there.
+    """
+    match section:
+        case HollowRectangle():
+            return _box_works(section, material, angles, resultants)
+        case ISection():
+            return _flange_works(section, material, float(angles[1]), resultants)
+    raise TypeError(f"{section.shape}: is neither a rectangular tube nor an I-section")
+
+
+def _stresses(section: HollowRectangle | ISection, resultants: Array) -> tuple[Array, Array, Array]:
+    """Stress σ (m, in Pa) by tension, and its gradients (m, in Pa/m) along z and y by bending."""
+    tension, about_y, about_z = resultants
+    moments = section.second_moment_y, section.second_moment_z
+    return tension / section.area, about_y / moments[0], about_z / moments[1]
+
+
+def _box_works(tube: HollowRectangle, material: Material, angles: Array, loads: Array) -> Array:
+    t = tube.thickness
+    b, h = tube.width - t, tube.height - t
+    uniform, along_z, along_y = _stresses(tube, loads)
+    works = np.zeros(loads.shape[1])
+    for width, distance, angle, constant, linear in (
+        (h, b, angles[0], along_y, along_z),
+        (b, h, angles[1], along_z, along_y),
+    ):
+        squares = _UNIFORM * (uniform**2 + (0.5 * distance * constant) ** 2)
+        squares += _LINEAR * (0.5 * width * linear) ** 2
+        works += 2.0 * width**4 / _plate(material, t) * (t * angle) ** 2 * squares
+    return works
+
+
+def _flange_works(section: ISection, material: Material, angle: float, loads: Array) -> Array:
+    t, half = section.flange, 0.5 * section.width
+    height = section.height - t
+    uniform, along_z, along_y = _stresses(section, loads)
+    plate = (1.0 - material.nu) * _plate(material, t)
+    web = _plate(material, section.web) / height
+    clamped = _strip_work(plate, half, 0, np.inf)
+    rolling = _strip_work(plate, half, 1, web)
+    squares = clamped * (uniform**2 + (0.5 * height * along_z) ** 2) + rolling * along_y**2
+    return np.asarray(4.0 * (t * angle) ** 2 * squares)
+
+
+def _strip_work(plate: float, width: float, power: int, spring: float) -> float:
+    """Work of the load s^`power` on a line across an infinite strip, 0 ≤ s ≤ `width` (m).
+
+    `plate` (N m) is B. At s = 0 the strip does not deflect, and a `spring` (N per rad and length)
+    resists its rotation there. It is infinite if the strip is clamped.
+    """
+    first = 2 if np.isinf(spring) else 1
+    powers = np.arange(first, _DEGREE + 1)
+    rows, columns = powers[:, None], powers
+    mass = width / (rows + columns + 1.0)
+    curvatures = np.zeros(mass.shape)
+    bent = np.ix_(powers > 1, powers > 1)
+    product = rows * (rows - 1) * columns * (columns - 1)
+    curvatures[bent] = product[bent] / (rows + columns - 3.0)[bent]
+    stiffness = plate / width**3 * curvatures
+    if first == 1:
+        stiffness[0, 0] += spring / width**2
+    values, shapes = eigh(stiffness, mass)
+    forces = shapes.T @ (width ** (power + 1) / (powers + power + 1.0))
+    return float(np.sum(forces**2 / (2.0**1.5 * plate**0.25 * values**0.75)))
+
+
+def _plate(material: Material, thickness: float) -> float:
+    return material.E * thickness**3 / (12.0 * (1.0 - material.nu**2))

@@ -8,6 +8,9 @@ Therefore it is computed for cantilever prisms. Each prism has the section at on
 leg, and the length at which its mode of the same kind and order has the frequency of the leg. The
 change for the leg is the mean over its positions, weighted by kinetic energy. Two positions are
 sufficient if the change is a quadratic function of the position.
+
+Walls that bend at kinks lower a frequency as well. Only an upper bound of this is known
+(`kinked_walls`), from the tension and the bending moments that the inertia of the mode causes.
 """
 
 from collections.abc import Callable
@@ -16,9 +19,11 @@ from dataclasses import dataclass
 import numpy as np
 import scipy
 from numpy.polynomial import legendre
+from numpy.typing import ArrayLike
 
 from fem.beams.beam_theory import CantileverFrequency, Kind, frequency_of_kind
 from fem.beams.box_distortion import distortion_work
+from fem.beams.kinked_walls import kink_works
 from fem.sections.wall_frame import formula_frame_stiffness
 from lumped.arrays import Array
 from lumped.legs import ConstantLeg, LineLeg
@@ -82,6 +87,38 @@ def frequency_change(
     return float(np.mean(changes)) + _torsional_change(leg, mode, frame_stiffness)
 
 
+def kink_change(leg: LineLeg, beam: LegMatrices, index: int) -> float:
+    """Lower bound (≤ 0) of the relative change of frequency `index` (from 0) by kinks of walls.
+
+    The work of kinks is relative to the strain energy of the mode of the clamped `beam` (Rayleigh's
+    quotient). Zero without kinks in walls of boxes and I-sections.
+    """
+    mode = _mode(leg, beam, index)
+    along = leg.sections("timoshenko")
+    masses = along.at(along.span_at(mode.positions), mode.positions).mass
+    inertia = np.einsum("nij,nj->ni", masses, mode.twists).T
+    moments = np.stack(
+        [inertia[4] - mode.positions * inertia[2], inertia[5] + mode.positions * inertia[1]]
+    )
+    force_x, force_y, force_z, about_y, about_z = (
+        _sum_towards_tip(leg, mode, density) for density in (*inertia[:3], *moments)
+    )
+
+    def resultants(position: float) -> Array:
+        return np.array(
+            [
+                [force_x(position)],
+                [about_y(position) + position * force_z(position)],
+                [about_z(position) - position * force_y(position)],
+            ]
+        )
+
+    # The inertia of unit angular frequency deforms the leg by the twists over ω².
+    strain = mode.weights @ mode.energies / (2.0 * np.pi * mode.kind.frequency) ** 2
+    (work,) = kink_works(leg, resultants)
+    return float((1.0 + work / strain) ** -0.5 - 1.0)
+
+
 def _mode(leg: LineLeg, beam: LegMatrices, index: int) -> _Mode:
     modes = clamped_modes(beam, index + 1)
     points, weights = legendre.leggauss(_POINTS)
@@ -130,13 +167,18 @@ def _torsional_change(
         return 0.0
     along = leg.sections("timoshenko")
     field = along.at(along.span_at(mode.positions), mode.positions)
-    inertia = legendre.Legendre.fit(
-        mode.positions, field.mass[:, 3, 3] * mode.twists[:, 3], _POINTS - 1, [0.0, leg.length]
-    ).integ()
-
-    def torques(positions: Array) -> Array:
-        return np.asarray(inertia(leg.length) - inertia(positions))
-
+    torques = _sum_towards_tip(leg, mode, field.mass[:, 3, 3] * mode.twists[:, 3])
     strain = mode.weights @ (torques(mode.positions) ** 2 * field.flexibility[:, 3, 3])
     work = distortion_work(leg, torques, frame_stiffness)
     return float((1.0 + work / strain) ** -0.5 - 1.0)
+
+
+def _sum_towards_tip(leg: LineLeg, mode: _Mode, density: Array) -> Callable[[ArrayLike], Array]:
+    """Function that returns the integral of a density from one or several positions to the tip.
+
+    `density` (n, per m) is given at the positions of `mode`.
+    """
+    integral = legendre.Legendre.fit(
+        mode.positions, density, _POINTS - 1, [0.0, leg.length]
+    ).integ()
+    return lambda positions: np.asarray(integral(leg.length) - integral(positions))

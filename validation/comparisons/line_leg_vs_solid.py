@@ -52,7 +52,7 @@ from validation.comparisons.agreement_cases import (
     frequency_cases,
 )
 from validation.comparisons.element_convergence import MODES
-from validation.comparisons.line_distortion import frequency_change
+from validation.comparisons.line_distortion import frequency_change, kink_change
 from validation.comparisons.section_formulas import mesh_formula_band
 from validation.context import Context
 from validation.models.leg_models import leg_compliance, leg_frequencies
@@ -286,6 +286,8 @@ def _frequency(
         }
         for n, frequency in zip(meshes, (on_coarse, computed), strict=True)
     )
+    # What kinks take from the frequency lies between zero and an upper bound.
+    kinks = -0.5 * float(computed) * context.get(_kink_change, leg, meshes[1], index)
     theory = leg_frequencies("beam", leg, index + 1, ModelOptions(elements=ELEMENTS))[index]
     soft, stiff = (bound[index] for bound in context.get(_formula_frequencies, leg, meshes[1]))
     value = leg_frequencies(model, leg, index + 1, _options(limits))[index]
@@ -293,7 +295,8 @@ def _frequency(
         float(value),
         float(fine),
         reference_uncertainty=slowest(ratio, [leg]).half_width(fine - coarse),
-        judged_uncertainty=policy.half_width(
+        judged_uncertainty=kinks
+        + policy.half_width(
             (free - computed - sum(fine_jumps.values()))
             - (coarse_free - on_coarse - sum(coarse_jumps.values()))
         ),
@@ -304,6 +307,7 @@ def _frequency(
                 theory, computed, (soft, stiff), policy.half_width(computed - on_coarse)
             ),
             *(Allowance(cause, -change, SOURCE) for cause, change in fine_jumps.items()),
+            *((Allowance(_KINKED_WALLS, kinks, _KINKS_SOURCE),) if kinks else ()),
         ),
     )
 
@@ -320,6 +324,10 @@ def _computed_frequencies(leg: LineLeg, divisions: int) -> Array:
 def _distortion(leg: LineLeg, divisions: int, index: int) -> float:
     frames = _mesh_frames(leg, divisions)
     return frequency_change(leg, _computed_beam(leg, divisions), index, frames)
+
+
+def _kink_change(leg: LineLeg, divisions: int, index: int) -> float:
+    return kink_change(leg, _computed_beam(leg, divisions), index)
 
 
 @memo(8)

@@ -25,7 +25,7 @@ from validation.catalogue import catalogue
 from validation.comparisons import line_distortion, line_leg_vs_solid
 from validation.comparisons.agreement_cases import DISTORTION
 from validation.comparisons.element_convergence import leg_convergence
-from validation.comparisons.line_distortion import frequency_change
+from validation.comparisons.line_distortion import frequency_change, kink_change
 from validation.comparisons.line_leg_vs_solid import cases, computed_tip, neglected
 from validation.context import Context
 from validation.models.leg_models import clamped_solid, leg_compliance
@@ -116,6 +116,54 @@ def test_bound_for_kinked_walls_is_no_agreement(monkeypatch):
         half_width = outcome.measurement.judged_uncertainty / tip[0, 0]
         assert half_width == pytest.approx(0.28, abs=0.02)
     assert verdicts == {1.3: "undecided", 0.95: "disagree"}
+
+
+def test_bound_for_kinks_in_frequency_is_no_agreement(monkeypatch):
+    """f3 of an I-section, bending about z: kinks take up to 26 %. A solid 10 % lower: undecided."""
+    sections = [
+        {
+            "at": at,
+            "shape": "i-section",
+            "width": 0.08,
+            "height": height,
+            "flange": 4e-3,
+            "web": 4e-3,
+        }
+        for at, height in ((0.0, 0.1), (1.0 / 3.0, 0.1), (2.0 / 3.0, 0.07), (1.0, 0.07))
+    ]
+    robot = boom(points={"A": [0.0, 0.0, 0.0], "B": [0.36, 0.0, 0.0]}, sections=sections)
+    monkeypatch.setattr(line_leg_vs_solid, "frequency_change", lambda *_: 0.0)
+
+    def frequencies(_leg, _divisions, _ends, beam, count):
+        return 0.9 * clamped_modes(beam, count).frequencies
+
+    monkeypatch.setattr(line_leg_vs_solid, "line_frequencies", frequencies)
+    outcome = outcome_of(robot, "boom.agrees[beam-solid-f3]")
+    assert outcome.verdict == "undecided"
+    amounts = {entry.cause: entry.amount for entry in outcome.measurement.allowances}
+    half_width = 0.5 * 0.258 * outcome.measurement.reference / 0.9
+    assert amounts[line_leg_vs_solid._KINKED_WALLS] == pytest.approx(half_width, rel=0.01)
+    assert outcome.measurement.judged_uncertainty == pytest.approx(half_width, rel=0.02)
+
+
+def test_kink_at_root_lowers_frequencies_as_spring(monkeypatch):
+    """A rotational compliance c at the root of a slender cantilever: δω/ω = −2 c EI/L, all modes.
+
+    The moment at the root is EI w″(0) = 2 EI β² for ∫ w² dx = L, the strain energy ½ EI β⁴ L.
+    """
+    section = Rectangle(0.02, 0.01)
+    line = CentreLine((LinePiece((0.0, 0.0, 0.0), (2.0, 0.0, 0.0)),), (0.0, 0.0, 1.0))
+    leg = LineLeg(line, ((0.0, section), (2.0, section)), LEG.material)
+    beam = line_beam(leg.sections("timoshenko"), 20)
+    softness = np.array([[1.0 / section.second_moment_y], [1.0 / section.second_moment_z]])
+    compliance = 1e-3 * leg.length / leg.material.E * softness
+
+    def works(_leg, resultants):
+        return (compliance * resultants(0.0)[1:] ** 2).sum(axis=0)
+
+    monkeypatch.setattr(line_distortion, "kink_works", works)
+    for index in range(3):
+        assert kink_change(leg, beam, index) == pytest.approx((1.0 + 4e-3) ** -0.5 - 1.0, rel=3e-3)
 
 
 def test_equivalent_prism_of_taper_disagrees(monkeypatch):
