@@ -214,6 +214,32 @@ def test_wrong_area_of_taper_disagrees_in_frequency(monkeypatch):
     assert error == pytest.approx(1.3**-0.5 - 1.0, abs=0.01)
 
 
+@pytest.mark.parametrize(
+    ("constant", "factor", "motion"), [("torsion_constant", 1.1, "φx"), ("area", 1.3, "x")]
+)
+def test_wrong_constant_of_short_taper_disagrees(monkeypatch, constant, factor, motion):
+    """A wrong constant is not explained by the slope of a short taper, of 11° over 50 mm.
+
+    The solid is the beam with computed constants. The largest square of a slope is 4 %.
+    """
+    sections = [
+        {"at": at, "shape": "rectangle", "width": 0.06, "height": height}
+        for at, height in ((0.0, 0.08), (0.6, 0.08), (0.6625, 0.06), (1.0, 0.06))
+    ]
+    robot = boom(sections)
+    tip = computed_tip(legs_of(robot.mechanism)["boom"], 2)
+    meshes = TwoMeshes({"free": tip}, {"free": tip}, 0.0 * tip, 2.0)
+    monkeypatch.setattr(line_leg_vs_solid, "solid_leg", lambda *_: meshes)
+    right = getattr(Rectangle, constant).fget
+    forget()
+    monkeypatch.setattr(Rectangle, constant, property(lambda section: factor * right(section)))
+    try:
+        outcome = outcome_of(robot, f"boom.agrees[beam-solid-{motion}]")
+    finally:
+        forget()
+    assert outcome.verdict == "disagree"
+
+
 @pytest.mark.parametrize("model", ["vjm", "links", "segments", "beam"])
 def test_bent_arm_models_have_equal_statics(model):
     """All formulations are exact flexibility integrals: they differ by round-off (1e-9)."""
