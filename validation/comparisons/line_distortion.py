@@ -19,7 +19,6 @@ from dataclasses import dataclass
 import numpy as np
 import scipy
 from numpy.polynomial import legendre
-from numpy.typing import ArrayLike
 
 from fem.beams.beam_theory import CantileverFrequency, Kind, frequency_of_kind
 from fem.beams.box_distortion import distortion_work
@@ -105,13 +104,9 @@ def kink_change(leg: LineLeg, beam: LegMatrices, index: int) -> float:
     )
 
     def resultants(position: float) -> Array:
-        return np.array(
-            [
-                [force_x(position)],
-                [about_y(position) + position * force_z(position)],
-                [about_z(position) - position * force_y(position)],
-            ]
-        )
+        at = np.array([position])
+        bending_y = about_y(at) + position * force_z(at)
+        return np.array([force_x(at), bending_y, about_z(at) - position * force_y(at)])
 
     # The inertia of unit angular frequency deforms the leg by the twists over ω².
     strain = mode.weights @ mode.energies / (2.0 * np.pi * mode.kind.frequency) ** 2
@@ -173,8 +168,8 @@ def _torsional_change(
     return float((1.0 + work / strain) ** -0.5 - 1.0)
 
 
-def _sum_towards_tip(leg: LineLeg, mode: _Mode, density: Array) -> Callable[[ArrayLike], Array]:
-    """Function that returns the integral of a density from one or several positions to the tip.
+def _sum_towards_tip(leg: LineLeg, mode: _Mode, density: Array) -> Callable[[Array], Array]:
+    """Function that returns the integrals (n) of a density from n positions to the tip.
 
     `density` (n, per m) is given at the positions of `mode`.
     """

@@ -16,16 +16,21 @@ from lumped.sections import HollowRectangle
 from meshes.section.section_mesh import section_mesh
 from validation.context import Context
 from validation.references import mesh_uncertainty
-from validation.references.modes_on_path import modes_of_computed_beams
+from validation.references.model_ladder import COMPUTED_BEAMS
+from validation.references.modes_on_path import LegMesh, solid_vibration
 from validation.references.reference_legs import (
     SECTION_DIVISIONS,
     SLOWEST_ORDER,
     line_divisions,
     solid_leg,
 )
+from validation.references.responses import Responses
 from validation.references.robot_on_path import robot_on_path
+from validation.responses.mode_partners import frequency_changes, shares_by_shape
 from validation.solids.leg_meshes import COARSEST_WALLS, section_of
 from validation.uncertainty.half_widths import UNPROVEN, half_widths_on
+
+BOX = {"shape": "hollow-rectangle", "width": 0.1, "height": 0.16, "thickness": 0.003}
 
 
 @pytest.mark.parametrize("row", ["_STATIC_SECTIONS", "_MODAL_SECTIONS"])
@@ -73,32 +78,9 @@ def test_distortion_half_width_follows_kinds_of_motion():
     kind of motion. For f1 it is 0.11 %, which the change between the solids does not show.
     """
     section = HollowRectangle(0.1, 0.16, 0.003)
-    leg = ConstantLeg(0.9, section, STEEL, ends="free")
-    robot = robot_of(
-        {
-            "schema": 2,
-            "name": "boom",
-            "points": {"A": [0.0, 0.0, 0.0], "B": [0.9, 0.0, 0.0]},
-            "bodies": {
-                "boom": {
-                    "from": "A",
-                    "to": "B",
-                    "section": {
-                        "shape": "hollow-rectangle",
-                        "width": 0.1,
-                        "height": 0.16,
-                        "thickness": 0.003,
-                    },
-                    "material": {"E": STEEL.E, "nu": STEEL.nu, "rho": STEEL.rho},
-                    "ends": "free",
-                }
-            },
-            "joints": {"root": {"type": "fixed", "between": ["ground", "boom"], "at": "A"}},
-            "tool": {"body": "boom", "point": "B", "moves": []},
-        }
-    )
-    on_path = robot_on_path(Context(robot, "quick"))
-    modes = modes_of_computed_beams(on_path, None)
+    leg = ConstantLeg(0.9, section, STEEL)
+    on_path = cantilever(BOX)
+    modes = Responses(on_path).required_modes(COMPUTED_BEAMS, on_path.first_reading)
     half_widths = mesh_uncertainty.distortion_half_widths(on_path, modes)[0]
     change = np.diag(
         distortion_flexibility(section_mesh(section, SECTION_DIVISIONS), STEEL)
@@ -112,6 +94,54 @@ def test_distortion_half_width_follows_kinds_of_motion():
         # Rotary inertia has up to 2 % of the kinetic energy.
         assert half_widths[index] == pytest.approx(factor * expected, rel=0.025)
     assert half_widths[0] > 1.1e-3
+
+
+@pytest.mark.exhaustive
+@pytest.mark.parametrize(
+    "section",
+    [
+        BOX,
+        {"shape": "i-section", "width": 0.1, "height": 0.1, "flange": 0.003, "web": 0.002},
+        {"shape": "tube", "diameter": 0.12, "thickness": 0.003},
+    ],
+    ids=["box", "I", "tube"],
+)
+def test_half_widths_of_section_mesh_cover_thin_walls(section):
+    """Only the section meshes of two solids differ: changes of f1 and f2 are in the half-widths."""
+    on_path = cantilever(section)
+    reading, responses = on_path.first_reading, Responses(on_path)
+    coarse, fine = (
+        solid_vibration(on_path.postures, reading, LegMesh(1, 1, divisions), 2)
+        for divisions in (COARSEST_WALLS, 2 * COARSEST_WALLS)
+    )
+    changes = frequency_changes(fine, coarse, 2)
+    beams = responses.required_modes(COMPUTED_BEAMS, reading)
+    of_beams = mesh_uncertainty._MODAL_SECTIONS.half_widths(
+        responses, reading, responses.required_modes, mesh_uncertainty._all_changes
+    )
+    constants = shares_by_shape(coarse, beams, of_beams, 2)
+    distortion = mesh_uncertainty.distortion_half_widths(on_path, coarse)
+    assert (changes <= constants + distortion).all()
+    if section is BOX:
+        # Without distortion the half-width was too small.
+        assert (changes > constants).all()
+
+
+def cantilever(section):
+    """Robot of one steel leg, 0.9 m long, with free end faces, clamped at its root."""
+    material = {"E": STEEL.E, "nu": STEEL.nu, "rho": STEEL.rho}
+    body = {"from": "A", "to": "B", "section": section, "material": material, "ends": "free"}
+    robot = robot_of(
+        {
+            "schema": 2,
+            "name": "boom",
+            "points": {"A": [0.0, 0.0, 0.0], "B": [0.9, 0.0, 0.0]},
+            "bodies": {"boom": body},
+            "joints": {"root": {"type": "fixed", "between": ["ground", "boom"], "at": "A"}},
+            "tool": {"body": "boom", "point": "B", "moves": []},
+        }
+    )
+    return robot_on_path(Context(robot, "quick"))
 
 
 def tapered_box(thickness, length):
