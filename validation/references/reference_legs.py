@@ -26,7 +26,7 @@ from lumped.mechanism.body_model import LegMatrices
 from lumped.memo import memo
 from lumped.model_choices import Ends
 from lumped.sections import Composite, Laminate, Rectangle
-from meshes.loft import solid_section
+from meshes.loft import leg_sections, solid_section
 from meshes.section.section_mesh import SectionMesh, section_mesh
 from validation.context import Context, Preset
 from validation.models.leg_models import clamped_solid
@@ -191,8 +191,7 @@ def _station_meshes(leg: SectionedLeg, divisions: int) -> list[SectionMesh]:
     """Section meshes of a leg's solid at all stations of the leg, or the one of a prism."""
     if isinstance(leg, ConstantLeg):
         return [section_mesh(leg.section, divisions)]
-    sections = dict.fromkeys(section for _, section in leg.stations)
-    return [solid_section(leg, section, divisions) for section in sections]
+    return [solid_section(leg, section, divisions) for section in leg_sections(leg)]
 
 
 def require_line_solid(preset: Preset, leg: LineLeg) -> None:
