@@ -17,7 +17,13 @@ import numpy as np
 from fem.sections.composite import wrench_states
 from fem.sections.moduli import Moduli
 from fem.sections.saint_venant import section_quadrature
-from fem.sections.stresses import NodalGradient, SectionStresses, perimeter, regular_nodes
+from fem.sections.stresses import (
+    NodalGradient,
+    SectionStresses,
+    apart_from,
+    perimeter,
+    reentrant_corners,
+)
 from lumped.arrays import Array, IntArray
 from meshes.section.section_mesh import SectionMesh
 
@@ -49,7 +55,8 @@ class PartStresses(SectionStresses):
 def part_stresses(mesh: SectionMesh, moduli: Moduli) -> PartStresses:
     """Stresses under unit section forces on a section `mesh` with regions.
 
-    The forces act at the origin of the mesh. Parts have one material each.
+    The forces act at the origin of the mesh. Parts have one material each. Points of all parts
+    count as near a re-entrant corner of one part, and near one that parts form together.
     """
     if mesh.regions is None:
         raise ValueError("the mesh of a section of several materials must have regions")
@@ -57,7 +64,7 @@ def part_stresses(mesh: SectionMesh, moduli: Moduli) -> PartStresses:
     displacements, slopes = (
         field.reshape(-1, 3, 6) for field in (states.displacements, states.slopes)
     )
-    points, regular, stresses, parts = [], [], [], []
+    points, corners, distances, stresses, parts = [], [], [], [], []
     for region in np.unique(mesh.regions):
         cells = np.flatnonzero(mesh.regions == region)
         nodes, renumbered = np.unique(mesh.cells[cells], return_inverse=True)
@@ -68,15 +75,24 @@ def part_stresses(mesh: SectionMesh, moduli: Moduli) -> PartStresses:
         strains = _strains(part, displacements[nodes], slopes[nodes])
         stresses.append(np.einsum("ij,jnf->inf", elasticity, strains))
         area = float(section_quadrature(part).weights.sum())
-        regular.append(regular_nodes(part, area / perimeter(part)))
+        distances.append(area / perimeter(part))
+        corners.append(reentrant_corners(part))
         points.append(part.nodes)
         parts.append(np.full(len(nodes), region))
+    # Within the thinnest part, a corner between two parts leaves points that count.
+    corners.append(reentrant_corners(mesh))
+    distances.append(min(distances))
+    nodes_of_parts = np.vstack(points)
+    regular = [
+        apart_from(positions, nodes_of_parts, distance)
+        for positions, distance in zip(corners, distances, strict=True)
+    ]
     xx, yy, zz, yz, xz, xy = np.concatenate(stresses, axis=1)
     return PartStresses(
-        np.vstack(points),
+        nodes_of_parts,
         xx,
         np.stack([xy, xz]),
-        np.concatenate(regular),
+        np.all(regular, axis=0),
         np.stack([yy, zz, yz]),
         np.concatenate(parts),
     )

@@ -106,13 +106,22 @@ class NodalGradient:
 
 def regular_nodes(mesh: SectionMesh, distance: float) -> Array:
     """Flags of the N nodes of a section mesh: False within `distance` (m) of re-entrant corners."""
+    return apart_from(reentrant_corners(mesh), mesh.nodes, distance)
+
+
+def reentrant_corners(mesh: SectionMesh) -> Array:
+    """Positions (c×2; y and z in m) of the c re-entrant corners of a section mesh."""
     rim = _rim(mesh)
     on_rim = np.zeros(len(mesh.nodes), dtype=bool)
     on_rim[rim.ravel()] = True
-    reentrant = mesh.nodes[on_rim & (_angles(mesh) > pi + _REENTRANT)]
-    if not len(reentrant):
-        return np.ones(len(mesh.nodes), dtype=bool)
-    distances = np.linalg.norm(mesh.nodes[:, None] - reentrant, axis=2).min(axis=1)
+    return mesh.nodes[on_rim & (_angles(mesh) > pi + _REENTRANT)]
+
+
+def apart_from(corners: Array, points: Array, distance: float) -> Array:
+    """Flags of N `points` (N×2): False within `distance` (m) of one of the `corners` (c×2)."""
+    if not len(corners):
+        return np.ones(len(points), dtype=bool)
+    distances = np.linalg.norm(points[:, None] - corners, axis=2).min(axis=1)
     return np.asarray(distances > distance)
 
 

@@ -109,3 +109,27 @@ def test_parts_of_one_material_equal_its_section():
         reference = expected.von_mises(forces[None])[0]
         difference = np.abs(computed.von_mises(forces[None])[0] - reference)[expected.regular]
         assert difference.max() < 0.01 * reference.max()
+
+
+def test_stress_converges_beside_corner_between_parts():
+    """A steel rail on an aluminium flange: both parts are convex, but form corners together.
+
+    With the corners, the largest stress grows by a fifth with each finer mesh, without a limit.
+    """
+    flange, rail = Rectangle(0.06, 0.006), Rectangle(0.006, 0.04)
+    parts = (
+        CompositePart(flange, E_LOWER, 0.3, 2700.0),
+        CompositePart(rail, E_UPPER, 0.3, 7850.0, at=(0.0, 0.023)),
+    )
+    materials = [Material.isotropic(part.E, part.nu, part.rho) for part in parts]
+    largest = []
+    for divisions in (4, 8):
+        mesh = section_mesh(Composite(parts), divisions)
+        stresses = part_stresses(mesh, part_moduli(mesh, materials))
+        y, z = stresses.points.T
+        # The origin is at the centre weighted by E, 12.3 mm above the top of the flange.
+        near = np.hypot(np.abs(y) - 0.003, z + 0.01233) < 0.002
+        assert set(stresses.parts[near]) == {0, 1}
+        assert not stresses.regular[near].any()
+        largest.append(max(stresses.largest_by_part(QZ)))
+    assert largest[1] == pytest.approx(largest[0], rel=0.05)
