@@ -114,7 +114,7 @@ def reentrant_corners(mesh: SectionMesh) -> Array:
     rim = _rim(mesh)
     on_rim = np.zeros(len(mesh.nodes), dtype=bool)
     on_rim[rim.ravel()] = True
-    return mesh.nodes[on_rim & (_angles(mesh) > pi + _REENTRANT)]
+    return np.asarray(mesh.nodes[on_rim & (_angles(mesh) > pi + _REENTRANT)])
 
 
 def apart_from(corners: Array, points: Array, distance: float) -> Array:
