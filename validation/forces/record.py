@@ -4,12 +4,14 @@ Input: `PoseForces` of each pose. Output: `Forces`, and its text for the termina
 """
 
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from lumped.arrays import Array
+from lumped.text import aligned
 from validation.drawing.chart import Chart
 from validation.drawing.style import csv_of
 from validation.forces.chart import forces_chart
@@ -28,11 +30,6 @@ from validation.tables import Cell, ResultTable, html_paragraph
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-from collections.abc import Sequence
-
-from lumped.arrays import Array
-from lumped.text import aligned
 
 
 @dataclass(frozen=True)

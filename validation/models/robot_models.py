@@ -91,12 +91,12 @@ def answers(
         springs = springs_of(mechanism, options)
         return [
             PostureAnswer(
-                released_mechanism,
-                serial_chains.compliance(released_mechanism, springs),
+                posture,
+                serial_chains.compliance(posture, springs),
                 np.zeros(0),
-                mobility(released_mechanism).idle,
+                mobility(posture).idle,
             )
-            for released_mechanism in postures
+            for posture in postures
         ]
     if not count:
         return _swept(static_assembly(model, postures, options), released(postures, options), 0)

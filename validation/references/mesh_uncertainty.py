@@ -55,9 +55,9 @@ _MASS_OF_BEAMS = 5e-3
 # under the same load on beams: 2.4 % for a torque on the root half of legs five times as long as
 # high with rigid end faces, 0.9 % for forces.
 LINE_ON_BEAMS = 3e-2
-# The same for bent legs. For forces, 3.6 % were observed across an arc five times as long as the
-# section is high, and 6 % with a corner between pieces of three heights. For a torque, whose
-# displacement is small itself, 14 %.
+# Relative difference for bent legs. Forces: 3.6 % across an arc five times as long as the section
+# is high, 6 % with a corner between pieces of three heights. Torques, which displace little:
+# 14 %.
 _FORCES_ON_BENT_BEAMS, _MOMENTS_ON_BENT_BEAMS = 8e-2, 0.15
 
 

@@ -26,7 +26,7 @@ from validation.drawing.chart import chart_table
 from validation.kinematics.poses import postures_of
 from validation.models import reduced_parts
 from validation.models.robot_models import answers, mechanism_modes
-from validation.report.figures import curves, modes, pictures
+from validation.report.figures import curves, modes, pictures, requested
 from validation.report.figures.bodies import compared_points, displaced_solids
 from validation.report.figures.mode_names import kinetic_energies, mode_names
 from validation.report.figures.modes import finite_elements, segments
@@ -302,7 +302,11 @@ gravity = [0.0, 0.0, -9.81]
 
 
 def test_each_load_has_a_figure_of_forces():
-    """Drive torques in the CSV data are those of `fp.forces` in each pose."""
+    """Drive torques in the CSV data are those of `fp.forces` in each pose.
+
+    A robot without loads, responses and measured values has no requested figure.
+    """
+    assert not requested.figures(load_robot("five-bar"))
     robot = fp.load(tomllib.loads(load_robot("five-bar").text + LOADS))
     planned = {task.id: task for task in catalogue(robot)}
     names = [name for name in planned if name.startswith("mechanism.forces.")]
