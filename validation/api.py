@@ -470,8 +470,10 @@ def identify(
     >>> found.compliance.shape, f"{found.total:.0f} kg"
     ((6, 6), '71 kg')
     """
+    of_file = {"material": material, "interfaces": interfaces, "unit": unit}
     with arguments_named():
-        _require_part(part, body, material, interfaces or unit, unknowns, modes)
+        if faults := _part_faults(part, body, of_file, unknowns, modes):
+            raise InputError(faults)
         if body is not None:
             return identified(part_of(_loaded(part), body), unknowns, modes)
         texts = [toml_of({name: table}) for name, table in (interfaces or {}).items()]
@@ -532,12 +534,14 @@ def identify_free(
     >>> found.rigid, found.frequencies.shape
     (6, (1,))
     """
+    faults = _part_faults(part, body, {"material": material, "unit": unit}, unknowns, modes)
     if modes == 0:
-        raise InputError(
+        faults.append(
             "modes = 0: a part without supports has no results but frequencies; must be 1 or more"
         )
     with arguments_named():
-        _require_part(part, body, material, unit, unknowns, modes)
+        if faults:
+            raise InputError(faults)
         if body is not None:
             return free_body_part(part_of(_loaded(part), body), unknowns, modes)
         solid_material = material_of(toml_value(material))
@@ -781,32 +785,27 @@ def _model_options(options: dict[str, Any]) -> dict[str, Any]:
     return options
 
 
-def _require_part(
-    part: Robot,
-    body: str | None,
-    material: Mapping[str, Any] | None,
-    others: object,
-    unknowns: int,
-    modes: int,
-) -> None:
-    """Raise InputError with all faults of the arguments that select a CAD part.
+def _part_faults(
+    part: Robot, body: str | None, of_file: Mapping[str, object], unknowns: int, modes: int
+) -> list[str]:
+    """Faults of the arguments that select a CAD part.
 
-    `others` is true if further arguments that belong to files of parts are given.
+    `of_file`: arguments by name, with the material, that belong to a file of a part, not to a body.
     """
     faults = faults_of_numbers(unknowns, modes)
-    if body is not None and (material or others):
+    if body is not None and any(of_file.values()):
+        *names, last = of_file
         faults.append(
-            "body: not with material, interfaces or unit, which are in the robot file for "
-            "this body; leave them out"
+            f"body: not with {', '.join(names)} or {last}, which are in the robot file for this "
+            "body; leave them out"
         )
     if body is None and not isinstance(part, str | Path):
         faults.append("body: missing; name a part of the robot")
-    if body is None and not material:
+    if body is None and not of_file["material"]:
         faults.append(
             "material: missing; add it, for example {'E': 2.1e11, 'nu': 0.3, 'rho': 7850.0}"
         )
-    if faults:
-        raise InputError(faults)
+    return faults
 
 
 def _typed(poses: Sequence[float | Sequence[float]]) -> tuple[str, ...]:

@@ -53,11 +53,14 @@ class ErrorPanel:
         drawn = []
         for series in self.formulations:
             key = replace(series.discretisation, theory="timoshenko"), series.counts
-            other = timoshenko.get(key, series)
-            pair = np.abs([one.errors[:, self.column] for one in (series, other)]) + _NEARLY_EXACT
+            with_shear = timoshenko.get(key, series)
+            sizes, sizes_with_shear = (
+                np.abs(formulation.errors[:, self.column]) + _NEARLY_EXACT
+                for formulation in (series, with_shear)
+            )
             fine = np.array(series.counts) >= min(COARSE_COUNT, series.counts[-1])
-            ratios = np.abs(np.log(pair[0] / pair[1])[fine])
-            if other is series or np.max(ratios) > np.log(_VISIBLE):
+            ratios = np.abs(np.log(sizes / sizes_with_shear)[fine])
+            if with_shear is series or np.max(ratios) > np.log(_VISIBLE):
                 drawn.append(series)
         return drawn
 

@@ -87,8 +87,11 @@ def test_invalid_free_request_is_refused(bar, capsys):
         "--modes 0: a part without supports has no results but frequencies; must be 1 or more"
         in errors
     )
-    with pytest.raises(InputError, match="material: missing"):
-        fp.identify_free(bar)
+    with pytest.raises(InputError) as raised:
+        fp.identify_free(bar, modes=0)
+    assert [fault.split(":")[0] for fault in raised.value.faults] == ["material", "modes = 0"]
+    with pytest.raises(InputError, match="body: not with material or unit, which are in the robot"):
+        fp.identify_free(bar, body="bar", unit="mm")
 
 
 def test_part_of_robot_is_solved_free(bar):
