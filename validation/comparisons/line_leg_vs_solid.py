@@ -58,7 +58,12 @@ from validation.comparisons.section_formulas import mesh_formula_band
 from validation.context import Context
 from validation.models.leg_models import leg_compliance, leg_frequencies
 from validation.models.options import ModelName, ModelOptions
-from validation.references.corners_and_steps import SOURCE, frequency_changes, tip_changes
+from validation.references.corners_and_steps import (
+    SOURCE,
+    frequency_changes,
+    tip_changes,
+    tip_half_widths,
+)
 from validation.references.reference_legs import (
     line_divisions,
     require_line_solid,
@@ -196,6 +201,7 @@ def _motion(
         float(fine),
         reference_uncertainty=slowest(meshes.ratio, [leg]).half_width(fine - coarse),
         judged_uncertainty=kinks
+        + float(context.get(tip_half_widths, leg, divisions[1])[entry])
         + free.half_width(
             (meshes.fine["free"][diagonal] - computed - fine_walls - sum(fine_jumps.values()))
             - (
@@ -314,12 +320,13 @@ def _frequency(
         raise Skip(f"no mode of the solid has the shape of mode {index + 1} of the beam")
     on_coarse, computed = (context.get(_computed_frequencies, leg, n)[index] for n in meshes)
     change = context.get(_distortion, leg, meshes[1], index)
-    coarse_jumps, fine_jumps = (
-        {
-            cause: float(frequency) * relative
-            for cause, relative in frequency_changes(leg, _computed_beam(leg, n), index, n).items()
-        }
+    (coarse_jumps, _), (fine_jumps, beyond_stubs) = (
+        (
+            {cause: float(frequency) * relative for cause, relative in changes.items()},
+            float(frequency) * half_width,
+        )
         for n, frequency in zip(meshes, (on_coarse, computed), strict=True)
+        for changes, half_width in [frequency_changes(leg, _computed_beam(leg, n), index, n)]
     )
     # What kinks take from the frequency lies between zero and an upper bound.
     kinks = -0.5 * float(computed) * context.get(_kink_change, leg, meshes[1], index)
@@ -331,6 +338,7 @@ def _frequency(
         float(fine),
         reference_uncertainty=slowest(ratio, [leg]).half_width(fine - coarse),
         judged_uncertainty=kinks
+        + beyond_stubs
         + policy.half_width(
             (free - computed - sum(fine_jumps.values()))
             - (coarse_free - on_coarse - sum(coarse_jumps.values()))

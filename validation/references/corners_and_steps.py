@@ -7,7 +7,9 @@ differ from those of beams over about the height of the section (Saint-Venant). 
 therefore computed in a solid of the corner or step alone: two straight stubs of the sections there,
 loaded at their ends as in Saint-Venant's theory, less the beam of both stubs. The result is a 6×6
 compliance in the section there. It depends on these sections alone, so that an error of a model of
-the leg stays unexplained. Nothing is computed for a corner or step that is nearer than a stub to
+the leg stays unexplained. Distortion of walls reaches beyond the stubs: the change from stubs of
+half the length is a half-width, or the whole result if there is no room for long stubs. Nothing is
+computed for a corner or step that is nearer than a stub to
 the next one or to an end of the leg: the difference is then flagged.
 """
 
@@ -48,15 +50,16 @@ class Jump:
     """Corner or step at `position` (m along the line) and `point` (3, in m, leg axes).
 
     `cause` is `CORNERS` or `STEPS`. `compliance` (6×6, SI, leg axes) is the relative twist of both
-    sides, less that of beams, under a wrench that the section there transmits. `first_moment` (3,
-    in kg m, leg axes) is the first moment of the solid's mass about the point, less that of the
-    line.
+    sides, less that of beams, under a wrench that the section there transmits. `beyond_stubs` (6×6)
+    bounds what the length of the stubs leaves out. `first_moment` (3, in kg m, leg axes) is the
+    first moment of the solid's mass about the point, less that of the line.
     """
 
     cause: str
     position: float
     point: Array
     compliance: Array
+    beyond_stubs: Array
     first_moment: Array
 
 
@@ -89,17 +92,33 @@ def jumps(leg: LineLeg, divisions: int) -> list[Jump]:
         side = max(max(section.extent) for section in place.sections)
         if room < _STUB * side * (1.0 - TOGETHER):
             continue
-        length = _STUB * side
-        if not all(isinstance(section, Rectangle | Circle) for section in place.sections):
-            length = max(length, min(room, _WALLED_STUB * side))
-        stub, axes = _stub(leg, place, length)
-        difference = clamped_solid(stub, divisions, "free").compliance - _beam_tip(stub, divisions)
-        middle, _ = stub.line.frames(np.array([length]))
-        to_jump = turn(axes) @ shift(middle[0] - [stub.length, 0.0, 0.0])
         point, _ = leg.line.frames(np.array([place.position]))
-        compliance, moment = to_jump @ difference @ to_jump.T, _first_moment(leg, place)
-        described.append(Jump(place.cause, place.position, point[0], compliance, moment))
+        compliance = _lacking(leg, place, _STUB * side, divisions)
+        beyond_stubs = np.zeros((6, 6))
+        if not all(isinstance(section, Rectangle | Circle) for section in place.sections):
+            length = min(room, _WALLED_STUB * side)
+            short, compliance = compliance, _lacking(leg, place, length, divisions)
+            # Distortion at least halves over two heights.
+            is_long = length >= _WALLED_STUB * side * (1.0 - TOGETHER)
+            beyond_stubs = compliance - short if is_long else compliance
+        moment = _first_moment(leg, place)
+        described.append(
+            Jump(place.cause, place.position, point[0], compliance, beyond_stubs, moment)
+        )
     return described
+
+
+def _lacking(leg: LineLeg, place: _Place, length: float, divisions: int) -> Array:
+    """Compliance (6×6, SI, leg axes) that a beam lacks at a corner or step, by stubs of `length`.
+
+    It is the relative twist of both sides under a wrench that the section there transmits.
+    `divisions` is the number of elements across the section.
+    """
+    stub, axes = _stub(leg, place, length)
+    difference = clamped_solid(stub, divisions, "free").compliance - _beam_tip(stub, divisions)
+    middle, _ = stub.line.frames(np.array([length]))
+    to_jump = turn(axes) @ shift(middle[0] - [stub.length, 0.0, 0.0])
+    return np.asarray(to_jump @ difference @ to_jump.T)
 
 
 def _places(leg: LineLeg) -> list[_Place]:
@@ -178,26 +197,37 @@ def tip_changes(leg: LineLeg, divisions: int) -> dict[str, Array]:
     The keys are `CORNERS` and `STEPS`, if the leg has them. `divisions` is the number of elements
     across the section.
     """
-    tip = np.array([leg.length, 0.0, 0.0])
     changes: dict[str, Array] = {}
     for jump in jumps(leg, divisions):
-        to_tip = shift(tip - jump.point)
-        change = to_tip @ jump.compliance @ to_tip.T
+        change = _at_tip(leg, jump, jump.compliance)
         changes[jump.cause] = changes.get(jump.cause, np.zeros((6, 6))) + change
     return changes
 
 
+def tip_half_widths(leg: LineLeg, divisions: int) -> Array:
+    """Half-widths (6, SI) of the diagonal of all `tip_changes`, due to the length of the stubs."""
+    left_out = [_at_tip(leg, jump, jump.beyond_stubs) for jump in jumps(leg, divisions)]
+    return np.asarray(sum((np.abs(np.diag(change)) for change in left_out), np.zeros(6)))
+
+
+def _at_tip(leg: LineLeg, jump: Jump, compliance: Array) -> Array:
+    """Change (6×6, SI) of the tip compliance of a leg due to a `compliance` (6×6) at a jump."""
+    to_tip = shift(np.array([leg.length, 0.0, 0.0]) - jump.point)
+    return np.asarray(to_tip @ compliance @ to_tip.T)
+
+
 def frequency_changes(
     leg: LineLeg, beam: LegMatrices, index: int, divisions: int
-) -> dict[str, float]:
+) -> tuple[dict[str, float], float]:
     """Relative change of frequency `index` (from 0) of the clamped `beam` due to corners and steps.
 
     By Rayleigh's quotient: the inertia forces of the mode beyond each corner or step strain it, and
-    the mass of a corner lies beside the line. The keys are those of `tip_changes`.
+    the mass of a corner lies beside the line. The keys are those of `tip_changes`. The second
+    result is the half-width of the sum of all changes, due to the length of the stubs.
     """
     jumps_of_leg = jumps(leg, divisions)
     if not jumps_of_leg:
-        return {}
+        return {}, 0.0
     modes = clamped_modes(beam, index + 1)
     sections = leg.sections("timoshenko")
     edges = sections.edges(_ELEMENTS)
@@ -212,6 +242,7 @@ def frequency_changes(
     mass = float((momenta * twists).sum())
     works: dict[str, float] = {}
     masses_beside: dict[str, float] = {}
+    half_width = 0.0
     for jump in jumps_of_leg:
         beyond = positions > jump.position
         levers = shift(places[beyond] - jump.point)
@@ -222,7 +253,9 @@ def frequency_changes(
         moved = 2.0 * float(translation @ np.cross(rotation, jump.first_moment)) / mass
         works[jump.cause] = works.get(jump.cause, 0.0) + work
         masses_beside[jump.cause] = masses_beside.get(jump.cause, 0.0) + moved
-    return {
+        half_width += 0.5 * abs(float(wrench @ jump.beyond_stubs @ wrench)) / (angular * mass)
+    changes = {
         cause: float(((1.0 + work) * (1.0 + masses_beside[cause])) ** -0.5 - 1.0)
         for cause, work in works.items()
     }
+    return changes, half_width
