@@ -60,6 +60,7 @@ BASICS = {
     "lumped.sections": "data of legs: textbook constants, which fem.sections computes anew",
     "lumped.tapers": "data of legs along lines, as lumped.line_sections",
     "lumped.text": "messages",
+    "lumped.model_choices": "names of the choices of options",
     "lumped.screws": "moving and turning twists",
     "lumped.mechanism.body": "data of a mechanism",
     "lumped.mechanism.body_model": "data of a body's model",

@@ -156,10 +156,15 @@ def _linked(postures: tuple[Posture, ...]) -> Statics:
     return assembled(postures, tip_compliances(postures[0].mechanism))
 
 
+def _linked_statics(robot: RobotOnPath, _: Reading) -> Statics:
+    """Statics of `_linked`, computed once per run and process."""
+    return robot.context.get(_linked, robot.postures)
+
+
 # Each printed number is off by up to half a unit of its last digit, independently of the others.
 STATIC_DIGITS = Perturbations(
-    # Computed once per run and process.
-    Model("links", statics=lambda robot, _: robot.context.get(_linked, robot.postures)),
+    # A named function, so that subjects with this model can be sent to other processes.
+    Model("links", statics=_linked_statics),
     rounded_readings,
     Combiner.PROBABILITY,
 )

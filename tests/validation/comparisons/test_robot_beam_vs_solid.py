@@ -10,13 +10,8 @@ from lumped.acceptance.requirement import DEFAULT_LIMITS
 from lumped.robot_file import load_robot
 from validation.case import Skip
 from validation.comparisons import robot_beam_vs_solid
-from validation.comparisons.robot_beam_vs_solid import (
-    DISTORTION,
-    FORMULA,
-    HELD_FACES,
-    cases,
-    constant_posture,
-)
+from validation.comparisons.agreement_cases import DISTORTION, FORMULA, HELD_FACES
+from validation.comparisons.robot_beam_vs_solid import cases, constant_posture
 from validation.context import Context
 from validation.models.options import ModelOptions
 from validation.report.agreement import agreement_tables

@@ -13,6 +13,7 @@ from validation.measured import tested
 from validation.measured.matrix import measured_matrix
 from validation.measured.modes import with_measured_file
 from validation.report.figures.requested import figures
+from validation.verdicts import MEASURED_RESPONSE
 
 pyuff = pytest.importorskip("pyuff")
 STEPS = np.arange(0.0, 200.0, 0.25)
@@ -201,7 +202,7 @@ at = 40.0
         assert entry.error == pytest.approx(0.0, abs=2e-3)
         assert "hammer.uff" in entry.reference
     # What the figure shows is the closed form, of the part from which the first mode is read.
-    (figure,) = figures(robot_file)
+    (figure,) = (figure for figure in figures(robot_file) if figure.id == MEASURED_RESPONSE)
     data = figure.draw(Context(robot_file, "quick")).data.splitlines()
     table = np.genfromtxt(data, delimiter=",", names=True)
     for name, close in (("measured_response", 1e-9), ("beam", 2e-3)):
