@@ -193,7 +193,7 @@ def test_guide_lists_every_case_of_the_catalogue():
     assert [pattern for pattern in patterns if not any(fnmatchcase(i, pattern) for i in ids)] == []
 
 
-@pytest.mark.exhaustive
+@pytest.mark.soak
 def test_numbers_of_parts_page_are_current():
     """The page is written by a script, `python docs/pictures/parts_models.py`."""
     script = runpy.run_path(str(ROOT / "docs" / "pictures" / "parts_models.py"))

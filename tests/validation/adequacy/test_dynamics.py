@@ -169,14 +169,13 @@ def test_end_conditions_change_torsion_verdict():
     assert unsaid.uncertainties["end conditions of the legs"] > 1.0
 
 
-@pytest.mark.exhaustive
 @pytest.mark.parametrize(
     ("section", "ends"),
     [
-        (FLANGED.section, "rigid"),
-        (Tube(0.12, 0.006), "free"),
+        pytest.param(FLANGED.section, "rigid", marks=pytest.mark.exhaustive),
+        pytest.param(Tube(0.12, 0.006), "free", marks=pytest.mark.exhaustive),
         # One section mesh with one and two divisions: it resists distortion 0.4 % too much in f3.
-        (HollowRectangle(0.1, 0.16, 0.008), "free"),
+        pytest.param(HollowRectangle(0.1, 0.16, 0.008), "free", marks=pytest.mark.soak),
     ],
 )
 def test_half_widths_cover_finer_mesh(section, ends):

@@ -213,7 +213,7 @@ def test_leg_torsion_changes_mode_order(tmp_path, model):
         assert (entry.verdict, entry.error) == ("inadequate", pytest.approx(-0.323, abs=0.005))
 
 
-@pytest.mark.exhaustive
+@pytest.mark.soak
 def test_stubby_leg_modes_have_no_partner(tmp_path):
     """Sections deform in f3, f4 and f6.
 

@@ -228,8 +228,13 @@ LEFT_OPEN = ("mechanism.anchor.frequencies", "robot.agrees", *(f"leg{n}.converge
 SOLIDS = (*(f"leg{n}.{group}" for n in (1, 2) for group in ("solid", "modes")), "robot.solid.modes")
 
 
-@pytest.mark.exhaustive
-@pytest.mark.parametrize(("groups", "count"), [(("mechanism.lumped",), 12), (SOLIDS, 2)])
+@pytest.mark.parametrize(
+    ("groups", "count"),
+    [
+        pytest.param(("mechanism.lumped",), 12, marks=pytest.mark.exhaustive),
+        pytest.param(SOLIDS, 2, marks=pytest.mark.soak),
+    ],
+)
 def test_ordinary_robots_raise_no_message(groups, count, tmp_path):
     """All comparisons of moderate random robots agree, or are undecided for known reasons."""
     for text in random_robots(count, 1, MILD):

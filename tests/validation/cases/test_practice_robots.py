@@ -133,7 +133,7 @@ def test_unsuitable_robots_skip_calculix(robot, reason, monkeypatch):
 
 
 # Of ten runs at quick, which take half a minute each, continuous integration makes five.
-OFTEN = ("leaf-stage", "packaging-delta", "scara")
+OFTEN = ("leaf-stage", "scara")
 
 
 @pytest.mark.parametrize(

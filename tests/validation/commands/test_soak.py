@@ -55,7 +55,7 @@ def amiss(code, out, err):
     ("seed", "count"),
     [
         (30, 60),
-        pytest.param(29, 350, marks=pytest.mark.exhaustive),
+        pytest.param(29, 150, marks=pytest.mark.exhaustive),
         *(pytest.param(seed, 500, marks=pytest.mark.soak) for seed in range(31, 41)),
     ],
 )

@@ -342,7 +342,7 @@ def test_crank_frequencies_equal_mass_on_spring(crank):
     assert answer.frequencies == pytest.approx(expected, rel=2e-3)
 
 
-@pytest.mark.exhaustive
+@pytest.mark.soak
 def test_condensed_leg_beats_equivalent_leg(tmp_path):
     """The condensed solid of a tapered hollow leg is closer to known values than equivalent legs.
 

@@ -59,7 +59,7 @@ def test_half_widths_cover_random_parts(seeds, tmp_path, monkeypatch):
     assert np.median(uncertainty) < 0.06
 
 
-@pytest.mark.exhaustive
+@pytest.mark.soak
 def test_cornered_tube_torsion_is_accurate(tmp_path, monkeypatch):
     """The torsional error is below 0.2 %. Meshes not divided at the corners are 0.6 % too stiff.
 

@@ -147,7 +147,7 @@ def test_full_disk_keeps_finished_results(tmp_path):
 
 
 # What `flexproof test` tries of it, and -m exhaustive besides.
-FEW, COUNT = 8, 60
+FEW, MORE, COUNT = 8, 20, 60
 ODD = (
     *("", "[]", "5", "{}", "null", "\x00", "[" * 50_000),
     *('{"seal": "', '{"run": 5}', '{"schema": 1, "run": [], "cases": {}}'),
@@ -212,7 +212,11 @@ def damage(path, chance):
 
 @pytest.mark.parametrize(
     "seed",
-    [*range(FEW), *(pytest.param(k, marks=pytest.mark.exhaustive) for k in range(FEW, COUNT))],
+    [
+        *range(FEW),
+        *(pytest.param(k, marks=pytest.mark.exhaustive) for k in range(FEW, MORE)),
+        *(pytest.param(k, marks=pytest.mark.soak) for k in range(MORE, COUNT)),
+    ],
 )
 def test_corrupted_run_resumes_to_same_results(untouched, tmp_path, seed):
     """One to three random damages; files of the user are unchanged."""

@@ -103,7 +103,7 @@ def test_f1_uncertainty_ignores_mode_count(crane, monkeypatch):
     assert half_widths[1:] == [pytest.approx(half_widths[0], rel=1e-9)] * 3
 
 
-@pytest.mark.exhaustive
+@pytest.mark.soak
 def test_accuracy_option_refines_part_meshes(crane, coarse_parts):
     """0.8 times the largest half-width is requested and reached; values change within both."""
     with coarse_parts.context() as patch:

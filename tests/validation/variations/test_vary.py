@@ -124,7 +124,7 @@ def test_variation_of_load_or_damping_has_effect(key, tmp_path, capsys):
     assert capsys.readouterr().err == ""
 
 
-@pytest.mark.exhaustive
+@pytest.mark.soak
 def test_run_curves_match_solve_vary(tmp_path, command):
     """Models match `solve --vary`. Solid and beam of a slender bar differ by end restraint only."""
     arm, folder = robot_of(ARM, tmp_path).source, tmp_path / "report"
