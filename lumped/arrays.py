@@ -61,3 +61,8 @@ def fix_signs(shapes: Array) -> Array:
     largest = np.argmax(np.abs(shapes), axis=0)
     signed: Array = shapes * np.sign(shapes[largest, np.arange(shapes.shape[1])])
     return signed
+
+
+def distinct(values: Array, gap: float) -> Array:
+    """Ascending `values` without those that are at most `gap` above the value before them."""
+    return np.asarray(values[np.r_[True, np.diff(values) > gap]])

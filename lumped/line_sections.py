@@ -45,7 +45,7 @@ from functools import cache, cached_property
 import numpy as np
 from numpy.polynomial import chebyshev, legendre
 
-from lumped.arrays import Array, IntArray
+from lumped.arrays import Array, IntArray, distinct
 from lumped.centre_line import CentreLine
 from lumped.screws import shift, skew, turn
 from lumped.tapers import NODES, TAPER
@@ -293,7 +293,7 @@ class LineSections:
     def _integrals(self, edges: Array, origins: Array, *, mass: bool) -> Array:
         inner = self.ends[(self.ends > edges[0]) & (self.ends < edges[-1])]
         all_edges = np.sort(np.concatenate([edges, inner]))
-        all_edges = all_edges[np.r_[True, np.diff(all_edges) > TOGETHER * self.line.length]]
+        all_edges = distinct(all_edges, TOGETHER * self.line.length)
         owner = np.clip(
             np.searchsorted(edges, 0.5 * (all_edges[1:] + all_edges[:-1])) - 1, 0, len(origins) - 1
         )

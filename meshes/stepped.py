@@ -12,7 +12,7 @@ from math import ceil, pi
 
 import numpy as np
 
-from lumped.arrays import Array, BoolArray, IntArray
+from lumped.arrays import Array, BoolArray, IntArray, distinct
 from lumped.errors import InputError
 from lumped.memo import memo
 from lumped.sections import (
@@ -65,7 +65,7 @@ def common_mesh(sections: tuple[Section, ...], divisions: Divisions) -> SectionM
         return _discs(sections, count)
     lines = zip(*(section_lines(section) for section in sections), strict=True)
     gap = _SAME_LINE * max(max(section.extent) for section in sections)
-    ys, zs = (_distinct(np.sort(np.concatenate(coordinates)), gap) for coordinates in lines)
+    ys, zs = (distinct(np.sort(np.concatenate(coordinates)), gap) for coordinates in lines)
     if not all(isinstance(section, Rectangle) for section in sections):
         wall = min(float(np.diff(ys).min()), float(np.diff(zs).min()))
         size = min(size, WALL_ASPECT * wall)
@@ -112,10 +112,6 @@ def _in_box(y: Array, z: Array, width: float, height: float) -> BoolArray:
     return np.asarray((np.abs(y) < width / 2.0) & (np.abs(z) < height / 2.0))
 
 
-def _distinct(values: Array, gap: float) -> Array:
-    return np.asarray(values[np.r_[True, np.diff(values) > gap]])
-
-
 def _part(mesh: SectionMesh, kept: BoolArray) -> SectionMesh:
     """Part of a mesh: its `kept` cells (M flags) and their nodes."""
     used, cells = np.unique(mesh.cells[kept], return_inverse=True)
@@ -157,7 +153,7 @@ def _discs(sections: Sequence[Section], count: int) -> SectionMesh:
     """
     rims = [s.diameter / 2.0 for s in sections if isinstance(s, Circle | Tube)]
     rims += [s.inner_diameter / 2.0 for s in sections if isinstance(s, Tube)]
-    radii = _distinct(np.sort(np.array(rims)), _SAME_LINE * max(rims))
+    radii = distinct(np.sort(np.array(rims)), _SAME_LINE * max(rims))
     size = 2.0 * min(s.diameter / 2.0 for s in sections if isinstance(s, Circle | Tube)) / count
     if any(isinstance(section, Circle) for section in sections):
         core = section_mesh(Circle(2.0 * float(radii[0])), max(3, count))
@@ -201,9 +197,7 @@ def section_lines(section: Section) -> tuple[Array, Array]:
         case OutlinedSection():
             corners = np.vstack(section.centred_loops)
             gap = _SAME_LINE * max(section.extent)
-            first, second = (
-                values[np.r_[True, np.diff(values) > gap]] for values in np.sort(corners, axis=0).T
-            )
+            first, second = (distinct(values, gap) for values in np.sort(corners, axis=0).T)
             return first, second
         case _:
             raise InputError(f"{section.shape}: edges of this shape are not parallel to y and z")

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from lumped.arrays import Array
+from lumped.arrays import Array, distinct
 from lumped.beam_properties import BeamProperties
 from lumped.line_sections import TOGETHER, LineSections, cumulative, gauss_points
 from lumped.mechanism.kinematics.accelerations import Motion
@@ -26,7 +26,7 @@ def end_wrenches(sections: LineSections, load: LineLoad) -> Array:
     tip = sections.line.chord * _ALONG
     halved = sections.edges(_HALVINGS * (len(sections.ends) - 1))
     edges = np.union1d(halved, np.clip([load.start, load.stop], 0.0, sections.ends[-1]))
-    edges = edges[np.r_[True, np.diff(edges) > TOGETHER * sections.ends[-1]]]
+    edges = distinct(edges, TOGETHER * sections.ends[-1])
     lengths, middles = np.diff(edges), 0.5 * (edges[1:] + edges[:-1])
     points, weights = gauss_points()
     stations = middles[:, None] + 0.5 * lengths[:, None] * points

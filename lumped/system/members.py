@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from lumped.arrays import Array
+from lumped.arrays import Array, distinct
 from lumped.legs import LineLeg
 from lumped.mechanism.free_twists import interface_position
 from lumped.mechanism.joint import Side
@@ -63,9 +63,10 @@ def member_forces(
     spans = shape.spans if isinstance(shape, LineLeg) else ()
     ends = [end for part in loads for end in (part.start, part.stop)]
     ends += [end for span in spans for end in (span.start, span.end)]
-    stations = _distinct(np.union1d(np.linspace(0.0, length, _STATIONS), ends))
+    stations = distinct(np.union1d(np.linspace(0.0, length, _STATIONS), ends), _ROUNDING * length)
     coarse = section_forces(at_root[:, 0], loads, stations)
-    stations = _distinct(np.union1d(stations, list(_zeros(stations, coarse[:, 1:3]))))
+    zeros = list(_zeros(stations, coarse[:, 1:3]))
+    stations = distinct(np.union1d(stations, zeros), _ROUNDING * length)
     values = section_forces(at_root[:, 0], loads, stations)
     missing = at_tip[:, 0] - values[-1]
     values += missing * (stations / length)[:, None]
@@ -118,12 +119,6 @@ def _end_wrench(
         if (applied.body, applied.point) == (name, point):
             total[:, 0] += shift(applied.position - position).T @ applied.wrench
     return np.asarray(turn(posture.frames[name].rotation).T @ total)
-
-
-def _distinct(stations: Array) -> Array:
-    """Ascending `stations` without those that equal the preceding one within round-off."""
-    is_distinct = np.diff(stations) > _ROUNDING * stations[-1]
-    return np.asarray(stations[np.concatenate([[True], is_distinct])])
 
 
 def _zeros(stations: Array, shear: Array) -> Iterator[float]:

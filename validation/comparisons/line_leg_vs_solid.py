@@ -31,7 +31,7 @@ from fem.beams.kinked_walls import kink_compliances
 from fem.beams.line_beam import line_beam
 from fem.sections.wall_frame import mesh_frame_stiffness
 from lumped.acceptance.requirement import AgreementLimits
-from lumped.arrays import Array
+from lumped.arrays import Array, distinct
 from lumped.beam_properties import BeamProperties
 from lumped.errors import InputError
 from lumped.legs import ConstantLeg, LineLeg
@@ -110,7 +110,7 @@ def _slopes(leg: LineLeg) -> tuple[Array, Array]:
     reach = leg.largest_extent
     ends = np.array([0.0, *(span.end for span in leg.spans)])
     edges = np.unique(np.clip([ends - reach, ends, ends + reach], 0.0, ends[-1]))
-    edges = edges[np.r_[True, np.diff(edges) > TOGETHER * ends[-1]]]
+    edges = distinct(edges, TOGETHER * ends[-1])
     slopes = [
         np.abs(np.subtract(span.last.extent, span.first.extent)).max()
         / (2.0 * (span.end - span.start))
