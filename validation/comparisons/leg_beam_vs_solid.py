@@ -58,8 +58,8 @@ from validation.solids.solid_legs import Refinement, doubled_tips
 from validation.solids.solid_size import why_shapeless
 
 HELD_SOURCE = (
-    "solids with free and with held end faces, at most twice the effect of fields that "
-    "decay from held faces (fem.couplings.end_effects)"
+    "solids with free and with held end faces, at most twice the effect of fields that decay from "
+    "held faces (fem.couplings.end_effects) and the distortion that held faces prevent"
 )
 # First table: entry of the tip compliance that belongs to the deformation of a kind of mode. Second
 # table: exponent k. For order n the share of strain energy at the ends is up to (2n − 1)ᵏ times
@@ -156,9 +156,11 @@ def _frequency(
     half_width = Refinement(divisions, beam_frequencies).uncertainty()
     stiffening = context.get(rigid_end_share, leg, divisions[-1], modes[index].kind)
     stiffening *= (2 * modes[index].order - 1) ** _GROWTH[modes[index].kind]
+    # Held faces cannot distort. At most they remove the distortion that lowers the frequency.
+    prevented = max(0.0, -float(change[-1]))
     faces = limited(
         float(free_frequencies[-1]) - reference,
-        (-stiffening * reference, 0.0),
+        (-stiffening * reference - prevented, 0.0),
         specified_ends.frequencies.uncertainty(index) + free_ends.frequencies.uncertainty(index),
     )
     return Measurement(
