@@ -14,6 +14,7 @@ import numpy as np
 
 from lumped.acceptance.quantities import ORDER, Quantity, QuantityKind
 from lumped.arrays import Array, IntArray
+from lumped.errors import ComputationError
 from validation.adequacy.errors import DisplacementErrors, Errors, ModePairing, stack_errors
 from validation.references.reference import Interpretation, Reference, Source, Subject
 from validation.references.responses import Model
@@ -71,6 +72,12 @@ class ModelErrors:
         if quantity.kind is not QuantityKind.FREQUENCY or not self.subject.dynamics.interior:
             return all_errors
         return self._with_exchanges(all_errors, model, quantity.column)
+
+    def required_errors(self, model: Model, quantity: Quantity) -> Errors:
+        """Errors of a quantity of a model. Raises ComputationError if there are none."""
+        if errors := self.errors(model, quantity):
+            return errors
+        raise ComputationError(f"{model.name} has no error of {quantity}: it has no solution")
 
     def statics(self, model: Model) -> list[tuple[Statics, Statics]]:
         """Statics of the reference and of a model, for each interpretation that has both."""

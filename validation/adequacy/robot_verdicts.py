@@ -69,6 +69,8 @@ _REFINING: Mapping[bool, tuple[Preset, ...]] = {False: ("standard", "fine"), Tru
 _CHECKS: Mapping[Preset, int] = {"quick": 4, "standard": 8, "fine": 32}
 # Models omitted for a leg alone: rigid legs have no compliance, and "links" equals "vjm".
 _NOT_FOR_A_LEG = ("simplified", "links", "segments-stepped", "segments-condensed")
+# Reference of statics or modes that are not compared.
+_NO_REFERENCE = Reference("none")
 
 
 def robot_adequacy(context: Context) -> Matrix:
@@ -208,17 +210,30 @@ def static_subject(robot: RobotOnPath, models: Iterable[Model]) -> Subject:
         reference, steps = static_reference(responses), static_steps(robot, STATIC_ORDERS)
     except UNSOLVED as error:
         reference = no_reference(error)
+    return replace(
+        subject_of(responses, models, statics=reference),
+        static_steps=steps,
+        loads=load_quantities([load.name for load in robot.mechanism.loads]),
+        harmonics=response_quantities(robot.mechanism.judged_responses),
+    )
+
+
+def subject_of(
+    responses: Responses,
+    models: Iterable[Model],
+    statics: Reference = _NO_REFERENCE,
+    dynamics: Reference = _NO_REFERENCE,
+) -> Subject:
+    """Subject of the robot of `responses`: its models with the references that are compared."""
+    robot = responses.robot
     return Subject(
         robot=robot.mechanism.name,
         coordinates=coordinates(robot.mechanism),
         poses=np.array([posture.pose for posture in robot.postures]),
         responses=responses,
         models=tuple(models),
-        statics=reference,
-        dynamics=Reference("none"),
-        static_steps=steps,
-        loads=load_quantities([load.name for load in robot.mechanism.loads]),
-        harmonics=response_quantities(robot.mechanism.judged_responses),
+        statics=statics,
+        dynamics=dynamics,
     )
 
 

@@ -6,11 +6,10 @@ file relies; otherwise the simplest one with an error within the limit on the pa
 one with the smallest error.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
-from typing import TypeAlias
 
 import numpy as np
 
@@ -25,19 +24,18 @@ from lumped.mechanism.mechanism import Posture
 from lumped.system.assembly import Assembly, assembly
 from lumped.system.sweep import swept
 from validation.adequacy.judged_models import judged_models_of
+from validation.adequacy.model_errors import ModelErrors
+from validation.adequacy.robot_verdicts import subject_of
 from validation.models.leg_models import reduced_leg
 from validation.models.options import ModelOptions
 from validation.models.robot_bodies import CUTOFF, bodies_of
 from validation.models.robot_models import with_enough_modes
 from validation.references.model_ladder import SOLID
+from validation.references.reference import Interpretation, Reference
 from validation.references.reference_parts import solid_parts
 from validation.references.responses import UNSOLVED, Model, Responses
 from validation.references.robot_on_path import NOMINAL, Holds, Reading, RobotOnPath
-from validation.responses.displacement import relative
 from validation.responses.statics_and_modes import PathModes
-
-# Model and reading of each reference.
-References: TypeAlias = Sequence[tuple[Model, Reading]]
 
 _MICRO, _PERCENT = 1e-6, 100.0
 
@@ -67,8 +65,8 @@ def mapped_quantities(responses: Responses, requirement: Requirement) -> list[Ma
     `responses` must be strict: they raise the errors of solutions instead of recording them.
     """
     robot = responses.robot
-    references = _references(responses)
-    model = _mapped_model(responses, references, requirement)
+    reference = _reference(responses)
+    model = _mapped_model(responses, reference, requirement)
     quantities = [
         MappedQuantity(
             "map.stiffness",
@@ -95,7 +93,7 @@ def mapped_quantities(responses: Responses, requirement: Requirement) -> list[Ma
                 ),
             )
         )
-    if references:
+    if reference:
         quantities.append(
             MappedQuantity(
                 "map.error",
@@ -105,14 +103,16 @@ def mapped_quantities(responses: Responses, requirement: Requirement) -> list[Ma
                 "relative error of the displacement, for the direction of force with the "
                 "largest error and for the least favourable end conditions that the "
                 "robot file allows",
-                partial(_error, model, references),
+                partial(_error, model, reference),
                 largest=True,
             )
         )
     return quantities
 
 
-def _mapped_model(responses: Responses, references: References, requirement: Requirement) -> Model:
+def _mapped_model(
+    responses: Responses, reference: Reference | None, requirement: Requirement
+) -> Model:
     """Model to be mapped, by the rule in the docstring of this module.
 
     Beams if no model is relied on and no error is known.
@@ -125,32 +125,38 @@ def _mapped_model(responses: Responses, references: References, requirement: Req
     for name in requirement.rely:
         if name in models:
             return models[name]
+    if reference is None:
+        return models["beam"]
     errors = {}
-    for name, model in models.items() if references else ():
+    for name, model in models.items():
         with suppress(*UNSOLVED):
-            errors[name] = float(np.max(_error(model, references, responses)))
+            errors[name] = float(
+                np.nan_to_num(_error(model, reference, responses), nan=np.inf).max()
+            )
             if errors[name] <= _PERCENT * requirement.limit(ANY_FORCE):
                 break
     return models[min(errors, key=errors.__getitem__, default="beam")]
 
 
-def _references(responses: Responses) -> References:
+def _reference(responses: Responses) -> Reference | None:
     """Solid model under each set of end conditions that the robot file allows.
 
-    Empty if a solid cannot be meshed, or if no posture can be solved.
+    It has no half-widths. None if a solid cannot be meshed, or if no posture can be solved.
     """
     robot = responses.robot
-    readings = [Reading(ends) for ends in robot.holding.alternatives.values()]
+    interpretations = [
+        Interpretation(name, Reading(ends)) for name, ends in robot.holding.alternatives.items()
+    ]
     for posture in robot.postures:
         try:
-            for reading in readings:
-                responses.at([posture]).required_statics(SOLID, reading)
+            for interpretation in interpretations:
+                responses.at([posture]).required_statics(SOLID, interpretation.reading)
         except InputError:
-            return []
+            return None
         except ComputationError:
             continue
-        return [(SOLID, reading) for reading in readings]
-    return []
+        return Reference("solid", SOLID, interpretations)
+    return None
 
 
 def _beams_with_solid_parts(robot: RobotOnPath, reading: Reading) -> Assembly:
@@ -192,12 +198,10 @@ def _first_frequency(model: Model, responses: Responses) -> Array:
     return responses.required_modes(model, reading).frequencies[:, 0]
 
 
-def _error(model: Model, references: References, responses: Responses) -> Array:
-    """Largest error (p, %) of the displacement under any force, against all references.
+def _error(model: Model, reference: Reference, responses: Responses) -> Array:
+    """Largest error (p, %) of the displacement under any force, against all interpretations.
 
-    Shapes: p postures.
+    NaN if the reference is rigid under a force and the model is not. Shapes: p postures.
     """
-    statics = responses.required_statics(model, NOMINAL)
-    solved = [responses.required_statics(*reference) for reference in references]
-    sizes = [relative(statics - reference, reference, ANY_FORCE).size for reference in solved]
-    return np.asarray(_PERCENT * np.max(sizes, axis=0))
+    errors = ModelErrors(subject_of(responses, [model], statics=reference), modes=0)
+    return np.asarray(_PERCENT * errors.required_errors(model, ANY_FORCE).error.max(axis=0))

@@ -23,7 +23,6 @@ from validation.adequacy.posture_errors import (
     Compared,
     compared_compliances,
     compared_frequencies,
-    compared_statics,
 )
 from validation.context import BUILT_IN, Context, Preset
 from validation.references.robot_on_path import RobotOnPath, path_postures, robot_at
@@ -32,8 +31,14 @@ from validation.run.executor import Executor, Finished, Work, in_turn
 from validation.run.stored_results import stored_arrays
 from validation.variations.decision import OBJECTIVES, Decision, Objective
 
-# Factor from a compliance in m/N to the deflection in µm under 1000 N.
-_MICROMETRES = 1e9
+# Function that compares the models, extreme over the path, and factor from SI units to those of
+# `UNITS`, which for deflections are µm under 1000 N.
+_OBJECTIVES: Mapping[
+    Objective, tuple[Callable[[RobotOnPath], Compared], Callable[[Array], float], float]
+] = {
+    "deflection": (compared_compliances, np.max, 1e9),
+    "frequency": (compared_frequencies, np.min, 1.0),
+}
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,37 +88,23 @@ class VariedRobot:
         solved. Both messages contain the value of the varied parameter.
         """
         postures = self.postures()
+        compare, extreme, factor = _OBJECTIVES[self.objective]
         with naming(f"--vary {self.value}"):
-            compared, extremes = self._over_path(robot_at(self._context(), postures))
+            compared = compare(robot_at(self._context(), postures))
         middle, names = len(postures) // 2, list(compared.values)
         values = np.array([curve[middle] for curve in compared.values.values()])
         no_difference = np.full((len(postures), values.shape[1]), np.nan)
         differences = [compared.differences.get(name, no_difference)[middle] for name in names]
+        extremes, half_widths = _extremes(compared.objectives, compared.uncertainties, extreme)
         return VariedModels(
             postures[middle].pose,
             np.array(names),
             values,
             np.array(differences),
             names.index(compared.against),
-            *extremes,
+            factor * extremes,
+            half_widths,
         )
-
-    def _over_path(self, robot: RobotOnPath) -> tuple[Compared, tuple[Array, Array]]:
-        """Results of the models in all poses, and the extremes of the c curves with uncertainties.
-
-        Shapes: c curves.
-        """
-        if self.objective == "frequency":
-            compared = compared_frequencies(robot)
-            first = {name: values[:, :1] for name, values in compared.values.items()}
-            return compared, _extremes(first, compared.uncertainties, np.min)
-        statics, uncertainties = compared_statics(robot)
-        displacements = {
-            name: _MICROMETRES * np.linalg.norm(of_model.compliances[:, :3, :3], axis=1)
-            for name, of_model in statics.items()
-        }
-        extremes = _extremes(displacements, uncertainties, np.max)
-        return compared_compliances(statics, uncertainties), extremes
 
     def _context(self) -> Context:
         return replace(_shared(self.preset), robot_file=self.robot_file)

@@ -26,9 +26,10 @@ from validation.maps.figure import _MAX_POSES, _panels, maps
 from validation.maps.quantities import _error
 from validation.maps.workspace import evenly, grid_values, workspace, worst_posture
 from validation.record_fields import plain_data
+from validation.references.reference import Interpretation, Reference
 from validation.references.reference_parts import assembled
 from validation.references.responses import Model, Responses
-from validation.references.robot_on_path import NOMINAL, robot_at, robot_on_path
+from validation.references.robot_on_path import Reading, robot_at, robot_on_path
 from validation.run.outcome import Result, from_plain
 from validation.run.records import run_record
 
@@ -199,21 +200,21 @@ def test_mapped_error_is_largest_of_references():
     robot = context.robot_file.mechanism
     compliances = tip_compliances(robot)
     softer = compliances | {"rod1": 1.1 * compliances["rod1"]}
-    references = [
-        (
-            Model(
-                name,
-                statics=lambda robot_path, _, springs=tips: assembled(robot_path.postures, springs),
-            ),
-            NOMINAL,
-        )
-        for name, tips in {"file": compliances, "softer": softer}.items()
-    ]
+    tips = {"rigid": compliances, "free": softer}
+    solid = Model(
+        "reference",
+        statics=lambda robot_path, reading: assembled(
+            robot_path.postures, tips[reading.ends["rod1"]]
+        ),
+        static_fields=("ends",),
+    )
+    file_tips, softer_tips = (Interpretation(ends, Reading({"rod1": ends})) for ends in tips)
     responses = Responses(robot_at(context, postures_of(robot, robot.poses[:2])), strict=True)
     model = judged_models_of(responses.robot)["links"]
-    errors = _error(model, references[1:], responses)
+    errors = _error(model, Reference("", solid, [softer_tips]), responses)
     assert (errors > 0.1).all()
-    np.testing.assert_allclose(_error(model, references, responses), errors, rtol=1e-9)
+    both = Reference("", solid, [file_tips, softer_tips])
+    np.testing.assert_allclose(_error(model, both, responses), errors, rtol=1e-9)
 
 
 def test_unreachable_poses_are_blank(five_bar, tmp_path, command):

@@ -17,7 +17,6 @@ from validation.adequacy.posture_errors import (
     Compared,
     compared_compliances,
     compared_frequencies,
-    compared_statics,
 )
 from validation.case import Skip
 from validation.context import Context
@@ -67,7 +66,7 @@ figures = FigureGroup(PATH, SHARED_SOLIDS)
 def deflections(context: Context) -> Chart:
     """Chart with a panel for each axis: deflection under a force along it or a moment about it."""
     try:
-        compared = compared_compliances(*compared_statics(robot_on_path(context)))
+        compared = compared_compliances(robot_on_path(context))
     except UNSOLVED as error:
         raise Skip(str(error)) from error
     chart = deflection_chart(compared, *_path_abscissa(context))

@@ -90,16 +90,17 @@ def test_varied_robot_is_at_middle_pose(monkeypatch):
     """Values and errors of the second of three poses."""
     values = {"beam": np.arange(3.0)[:, None] + 1.0, "solid": np.arange(3.0)[:, None] + 10.0}
     errors = {"beam": np.arange(3.0)[:, None] / 10.0}
-    compared = Compared(values, errors, "solid")
+    compared = Compared(values, errors, "solid", objectives=values)
     robot_file = load_robot("five-bar")
     varied = curves.VariedRobot(robot_file, "quick", "a = 1", "frequency")
     monkeypatch.setattr(curves, "path_postures", lambda _: postures_of(robot_file.mechanism, POSES))
-    extremes = np.array([1.0, 10.0]), np.array([0.0, 0.0])
-    monkeypatch.setattr(curves.VariedRobot, "_over_path", lambda *_: (compared, extremes))
+    objective = lambda _: compared, np.min, 1.0
+    monkeypatch.setattr(curves, "_OBJECTIVES", {"frequency": objective})
     answer = varied.compute()
     assert answer.pose == pytest.approx(POSES[1])
     assert answer.values[:, 0] == pytest.approx([2.0, 11.0])
     assert answer.differences[0, 0] == pytest.approx(0.1)
+    assert answer.extremes == pytest.approx([1.0, 10.0])
 
 
 def measured_entry(poses):
