@@ -100,9 +100,8 @@ class MeshPolicy:
     `ratio`: element size of the other mesh over that of the mesh whose half-width is needed: above
     one if the other mesh is coarser, below one if it is finer, 0 if it is infinitely fine.
     `orders`: lowest and highest order of convergence. With two meshes the lowest is used. With
-    three meshes the order is observed, from the earlier changes and the last changes, each summed
-    over all numbers, and limited to this range. `safety`: factor on the estimated error.
-    `round_off`: half-width that is added to the result.
+    three meshes a common order of all numbers is observed (`order`), limited to this range.
+    `safety`: factor on the estimated error. `round_off`: half-width that is added to the result.
     """
 
     ratio: float
@@ -120,11 +119,22 @@ class MeshPolicy:
         """Policy for changes to the limit (exact or extrapolated), which equal the errors."""
         return cls(0.0, (1.0, 1.0), safety)
 
-    def order(self, before: float, after: float) -> float:
-        """Order of convergence observed from two successive changes, `before` and `after`.
+    def order(self, before: Array, last: Array) -> float:
+        """Order of convergence observed from two successive changes of the same numbers.
 
-        Each is a sum of magnitudes over all numbers.
+        It is the lower one of two orders. One is that of the sums of changes, which depends on the
+        numbers that change most. The other is that of changes relative to the larger one of the two
+        changes of each number, so that all numbers count alike. NaN does not count.
         """
+        largest = np.maximum(np.maximum(before, last), self.round_off)
+        weights = np.divide(1.0, largest, out=np.zeros_like(largest), where=largest > 0.0)
+        orders = [
+            self._order(float(np.nansum(factor * before)), float(np.nansum(factor * last)))
+            for factor in (1.0, weights)
+        ]
+        return min(orders)
+
+    def _order(self, before: float, after: float) -> float:
         lowest, highest = self.orders
         if before > after > 0.0:
             return float(np.clip(np.log(before / after) / np.log(self.ratio), lowest, highest))
@@ -139,7 +149,7 @@ class MeshPolicy:
         """
         order = self.orders[0]
         if before is not None:
-            order = self.order(float(np.nansum(before)), float(np.nansum(last)))
+            order = self.order(before, last)
         reduction = self.ratio**order
         if before is not None:
             last = np.maximum(last, before / reduction)

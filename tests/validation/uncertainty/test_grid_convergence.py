@@ -175,6 +175,20 @@ def test_three_mesh_half_width_is_exact(changes, half_width) -> None:
     assert half_widths == pytest.approx([half_width], rel=1e-12)
 
 
+def test_one_large_change_does_not_set_order_of_others():
+    """Nine numbers show order 0.3, a tenth changes 80 times as much with order 2: order 1 counts.
+
+    The half-width of the first number is 1.5/(√2 − 1) times its last change, as without the tenth.
+    """
+    policy = MeshPolicy(np.sqrt(2.0), orders=(1.0, 2.0), safety=1.5)
+    before, last = np.full(10, 3.3e-3), np.full(10, 3e-3)
+    before[9], last[9] = 0.25, 0.125
+    expected = 1.5 * 3e-3 / (np.sqrt(2.0) - 1.0)
+    for judged in (3, 9, 10):
+        half_widths = policy.half_widths(last[:judged], before[:judged])
+        assert half_widths[0] == pytest.approx(expected, rel=1e-12)
+
+
 def test_richardson_intervals_contain_limit():
     """Powers of random order: the half-width is one to four times the error."""
     rng = np.random.default_rng(14)
