@@ -11,6 +11,7 @@ sufficient if the change is a quadratic function of the position.
 
 Walls that bend at kinks lower a frequency as well. Only an upper bound of this is known
 (`kinked_walls`), from the tension and the bending moments that the inertia of the mode causes.
+Flanges of tapered I-sections raise torsional frequencies (`tapered_flanges`).
 """
 
 from collections.abc import Callable
@@ -23,6 +24,7 @@ from numpy.polynomial import legendre
 from fem.beams.beam_theory import CantileverFrequency, Kind, frequency_of_kind
 from fem.beams.box_distortion import distortion_work
 from fem.beams.kinked_walls import kink_works
+from fem.beams.tapered_flanges import flange_work
 from fem.sections.wall_frame import formula_frame_stiffness
 from lumped.arrays import Array
 from lumped.legs import ConstantLeg, LineLeg
@@ -83,7 +85,9 @@ def frequency_change(
     deviation = float(np.sqrt(shares @ (mode.positions - mean) ** 2))
     low, high = max(0.0, mean - deviation), min(leg.length, mean + deviation)
     changes = [_prism_change(leg, position, mode.kind) for position in (low, high)]
-    return float(np.mean(changes)) + _torsional_change(leg, mode, frame_stiffness)
+    return float(np.mean(changes)) + _torsional_change(
+        leg, mode, lambda torques: distortion_work(leg, torques, frame_stiffness)
+    )
 
 
 def kink_change(leg: LineLeg, beam: LegMatrices, index: int) -> float:
@@ -112,6 +116,16 @@ def kink_change(leg: LineLeg, beam: LegMatrices, index: int) -> float:
     strain = mode.weights @ mode.energies / (2.0 * np.pi * mode.kind.frequency) ** 2
     (work,) = kink_works(leg, resultants)
     return float((1.0 + work / strain) ** -0.5 - 1.0)
+
+
+def flange_change(leg: LineLeg, beam: LegMatrices, index: int) -> float:
+    """Relative change (≥ 0) of frequency `index` (from 0) by flanges of tapered I-sections.
+
+    Zero for modes of the clamped `beam` that are not torsional.
+    """
+    return _torsional_change(
+        leg, _mode(leg, beam, index), lambda torques: flange_work(leg, torques)
+    )
 
 
 def _mode(leg: LineLeg, beam: LegMatrices, index: int) -> _Mode:
@@ -151,12 +165,13 @@ def _prism_change(leg: LineLeg, position: float, mode: CantileverFrequency) -> f
 
 
 def _torsional_change(
-    leg: LineLeg, mode: _Mode, frame_stiffness: Callable[[ConstantLeg], float]
+    leg: LineLeg, mode: _Mode, added_work: Callable[[Callable[[Array], Array]], float]
 ) -> float:
-    """Relative change of a torsional frequency by walls that converge (Rayleigh's quotient).
+    """Relative change of a torsional frequency by a flexibility of tapers (Rayleigh's quotient).
 
     The torque on a section is due to the inertia of the part of the leg between it and the tip.
-    Zero for modes that are not torsional.
+    `added_work` is a function that returns the work (J) that torques along the leg do on the
+    flexibility. Zero for modes that are not torsional.
     """
     if mode.kind.kind != "torsion":
         return 0.0
@@ -164,8 +179,7 @@ def _torsional_change(
     field = along.at(along.span_at(mode.positions), mode.positions)
     torques = _sum_towards_tip(leg, mode, field.mass[:, 3, 3] * mode.twists[:, 3])
     strain = mode.weights @ (torques(mode.positions) ** 2 * field.flexibility[:, 3, 3])
-    work = distortion_work(leg, torques, frame_stiffness)
-    return float((1.0 + work / strain) ** -0.5 - 1.0)
+    return float((1.0 + added_work(torques) / strain) ** -0.5 - 1.0)
 
 
 def _sum_towards_tip(leg: LineLeg, mode: _Mode, density: Array) -> Callable[[Array], Array]:

@@ -2,10 +2,11 @@
 
 Input: a leg whose section varies, or whose line has arcs or corners. Output: a verdict for each
 model on tip motions and frequencies. The solid is the same leg in quadratic hexahedra, with the end
-condition of the robot file. Five causes of a difference are computed separately:
+condition of the robot file. Six causes of a difference are computed separately:
 - rigid end faces, by the same solid with free ends;
 - distortion of the section, because walls converge in torsion (`fem.beams.box_distortion`) and in
   vibration (`line_distortion`);
+- bending of flanges of tapered I-sections in their planes by torsion (`fem.beams.tapered_flanges`);
 - bending of walls at kinks, where tapers begin or end (`fem.beams.kinked_walls`): only an upper
   bound is known, so that half of it is the cause, and half of it a half-width;
 - corners and steps, by a solid of each alone, and corners by the mass beside the line
@@ -29,6 +30,7 @@ import numpy as np
 from fem.beams.box_distortion import distortion_work
 from fem.beams.kinked_walls import kink_compliances
 from fem.beams.line_beam import line_beam
+from fem.beams.tapered_flanges import flange_work
 from fem.sections.wall_frame import mesh_frame_stiffness
 from lumped.acceptance.requirement import AgreementLimits
 from lumped.arrays import Array, distinct
@@ -53,7 +55,7 @@ from validation.comparisons.agreement_cases import (
     frequency_cases,
 )
 from validation.comparisons.element_convergence import MODES
-from validation.comparisons.line_distortion import frequency_change, kink_change
+from validation.comparisons.line_distortion import flange_change, frequency_change, kink_change
 from validation.comparisons.section_formulas import mesh_formula_band
 from validation.context import Context
 from validation.models.leg_models import leg_compliance, leg_frequencies
@@ -78,6 +80,8 @@ from validation.uncertainty.half_widths import MeshPolicy
 _HELD_SOURCE = "the same solid with ends free to warp and contract"
 _WALLS_SOURCE = "walls that converge push against each other (fem.beams.box_distortion)"
 _WAVES_SOURCE = "waves of 3-D elasticity in prisms of the leg's sections at its frequency"
+_TAPERED_FLANGES = "flanges of tapers bent by torsion"
+_FLANGES_SOURCE = "plane beams that are not parallel (fem.beams.tapered_flanges)"
 _KINKED_WALLS = "walls bent at kinks"
 _KINKS_SOURCE = "half the upper bound of plates under deflected forces (fem.beams.kinked_walls)"
 # Index of torsion in the tip compliance.
@@ -187,6 +191,7 @@ def _motion(
     soft, stiff = (bound[diagonal] for bound in context.get(_formula_tips, leg, divisions[1]))
     walls = [context.get(_wall_distortion, leg, n) for n in divisions]
     coarse_walls, fine_walls = walls if entry == _TORSION else (0.0, 0.0)
+    flanges = flange_work(leg, np.ones_like) if entry == _TORSION else 0.0
     coarse_jumps, fine_jumps = (
         {
             cause: float(change[diagonal])
@@ -217,6 +222,7 @@ def _motion(
             formula_allowance(
                 theory, computed, (stiff, soft), free.half_width(computed - on_coarse)
             ),
+            *((Allowance(_TAPERED_FLANGES, -flanges, _FLANGES_SOURCE),) if flanges else ()),
             *((Allowance(_KINKED_WALLS, -kinks, _KINKS_SOURCE),) if kinks else ()),
             *(Allowance(cause, -change, SOURCE) for cause, change in fine_jumps.items()),
         ),
@@ -330,6 +336,7 @@ def _frequency(
     )
     # What kinks take from the frequency lies between zero and an upper bound.
     kinks = -0.5 * float(computed) * context.get(_kink_change, leg, meshes[1], index)
+    flanges = -float(computed) * context.get(_flange_change, leg, meshes[1], index)
     theory = leg_frequencies("beam", leg, index + 1, ModelOptions(elements=ELEMENTS))[index]
     soft, stiff = (bound[index] for bound in context.get(_formula_frequencies, leg, meshes[1]))
     value = leg_frequencies(model, leg, index + 1, _options(limits))[index]
@@ -350,6 +357,7 @@ def _frequency(
                 theory, computed, (soft, stiff), policy.half_width(computed - on_coarse)
             ),
             *(Allowance(cause, -change, SOURCE) for cause, change in fine_jumps.items()),
+            *((Allowance(_TAPERED_FLANGES, flanges, _FLANGES_SOURCE),) if flanges else ()),
             *((Allowance(_KINKED_WALLS, kinks, _KINKS_SOURCE),) if kinks else ()),
         ),
     )
@@ -371,6 +379,10 @@ def _distortion(leg: LineLeg, divisions: int, index: int) -> float:
 
 def _kink_change(leg: LineLeg, divisions: int, index: int) -> float:
     return kink_change(leg, _computed_beam(leg, divisions), index)
+
+
+def _flange_change(leg: LineLeg, divisions: int, index: int) -> float:
+    return flange_change(leg, _computed_beam(leg, divisions), index)
 
 
 @memo(8)

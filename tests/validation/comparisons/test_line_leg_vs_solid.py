@@ -25,7 +25,7 @@ from validation.catalogue import catalogue
 from validation.comparisons import line_distortion, line_leg_vs_solid
 from validation.comparisons.agreement_cases import DISTORTION
 from validation.comparisons.element_convergence import leg_convergence
-from validation.comparisons.line_distortion import frequency_change, kink_change
+from validation.comparisons.line_distortion import flange_change, frequency_change, kink_change
 from validation.comparisons.line_leg_vs_solid import cases, computed_tip, neglected
 from validation.context import Context
 from validation.models.leg_models import clamped_solid, leg_compliance
@@ -190,6 +190,29 @@ def test_kink_at_root_lowers_frequencies_as_spring(monkeypatch):
         assert kink_change(leg, beam, index) == pytest.approx((1.0 + 4e-3) ** -0.5 - 1.0, rel=3e-3)
 
 
+def test_flanges_raise_torsional_frequencies_only(monkeypatch):
+    """Flanges that take 2 % of the work in torsion: ω² grows by 1/0.98 there, not in bending."""
+    section = Tube(0.1, 0.01)
+    line = CentreLine((LinePiece((0.0, 0.0, 0.0), (0.4, 0.0, 0.0)),), (0.0, 0.0, 1.0))
+    leg = LineLeg(line, ((0.0, section), (0.4, section)), LEG.material)
+    beam = line_beam(leg.sections("timoshenko"), 20)
+
+    def work(_leg, torques):
+        x = np.linspace(0.0, 0.4, 2001)
+        return (
+            -0.02
+            * np.trapezoid(torques(x) ** 2, x)
+            / ConstantLeg(0.4, section, LEG.material).timoshenko.GJ
+        )
+
+    monkeypatch.setattr(line_distortion, "flange_work", work)
+    kinds = [mode.kind for mode in exact_modes(ConstantLeg(0.4, section, LEG.material))]
+    changes = [flange_change(leg, beam, index) for index in range(len(kinds))]
+    expected = [(0.98**-0.5 - 1.0) * (kind == "torsion") for kind in kinds]
+    assert "torsion" in kinds
+    assert changes == pytest.approx(expected, rel=1e-3)
+
+
 def test_equivalent_prism_of_taper_disagrees(monkeypatch):
     """Matched by its stiffness diagonal, the prism is 40 % and more off a 2:1 taper."""
     options = ModelOptions(legs="equivalent")
@@ -335,6 +358,25 @@ def test_distortion_explains_torsion_of_unequal_taper(monkeypatch):
     assert amounts[DISTORTION] < -0.02 * measurement.reference
     assert abs(measurement.unexplained) < 3e-3 * measurement.reference
     assert outcome.verdict == "agree"
+
+
+def test_flanges_explain_torsion_of_tapered_i_section(monkeypatch):
+    """A taper of 30 mm over 120 mm between prisms: the solid is 5 % stiffer in torsion."""
+    walls = [
+        {"at": at, "shape": "i-section", "width": 0.08, "height": h, "flange": 4e-3, "web": 4e-3}
+        for at, h in ((0.0, 0.1), (1.0 / 3.0, 0.1), (2.0 / 3.0, 0.07), (1.0, 0.07))
+    ]
+    points = {"A": [0.0, 0.0, 0.0], "B": [0.36, 0.0, 0.0]}
+    robot = boom(walls, points=points)
+    tip = clamped_solid(legs_of(robot.mechanism)["boom"], 1, "free").compliance
+    meshes = TwoMeshes({"free": tip}, {"free": tip}, 0.0 * tip, 2.0)
+    monkeypatch.setattr(line_leg_vs_solid, "solid_leg", lambda *_: meshes)
+    monkeypatch.setattr(line_leg_vs_solid, "line_divisions", lambda *_: (1, 1))
+    measurement = outcome_of(robot, "boom.agrees[beam-solid-φx]").measurement
+    amounts = {entry.cause: entry.amount for entry in measurement.allowances}
+    flanges = amounts[line_leg_vs_solid._TAPERED_FLANGES] / measurement.reference
+    assert flanges == pytest.approx(0.0525, abs=0.0015)
+    assert abs(measurement.unexplained) < 3e-3 * measurement.reference
 
 
 def test_leg_of_equal_sections_vibrates_as_prism(monkeypatch):
