@@ -1,6 +1,6 @@
 """Loads of a robot file: wrenches at points, gravity and inertia of all bodies, harmonic forces."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -101,16 +101,18 @@ class PressureResultant:
 
 @dataclass(frozen=True, eq=False)
 class InterfaceLoads:
-    """Data for the wrenches of inertia forces and pressures on interfaces of deformable bodies.
+    """Data for the wrenches of inertia forces, pressures and loads along legs on interfaces.
 
     All data are in body axes and SI units. `masses` contains, by body name, the mass matrix (6m×6m)
     for the twists of the m interfaces of the body. `unit_pressures` contains, by body name and
     selection, the wrenches (6m values) on the interfaces that represent a pressure of 1 Pa on the
-    selected faces.
+    selected faces. `line_wrenches` contains, by name of a leg, a function of a load along it that
+    returns its wrenches (2×6) on root and tip. Other legs carry such loads by beam theory.
     """
 
     masses: Mapping[str, Array] = field(default_factory=dict)
     unit_pressures: Mapping[tuple[str, Selection], Array] = field(default_factory=dict)
+    line_wrenches: Mapping[str, Callable[[LineLoad], Array]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, eq=False)

@@ -34,7 +34,7 @@ from lumped.mechanism.load import (
     Load,
     Loading,
 )
-from lumped.mechanism.mechanism import GROUND, Posture
+from lumped.mechanism.mechanism import GROUND, Mechanism, Posture
 from lumped.model_choices import Theory
 from lumped.screws import shift, skew, turn
 from lumped.system.assembly import System, rigid_mass
@@ -53,8 +53,8 @@ def loading(
 
     `bodies` contains the masses of deformable bodies and the wrenches of pressures on their faces.
     Loads along legs are represented by wrenches on their ends, computed by the beam theory
-    `theory`. Raises ComputationError if the tool cannot perform the motion in the load, or if the
-    load has no wrench for this pose.
+    `theory` unless `bodies` contains others. Raises ComputationError if the tool cannot perform the
+    motion in the load, or if the load has no wrench for this pose.
     """
     mechanism = posture.mechanism
     load_position = interface_position(posture, Side(load.body, load.point))
@@ -62,12 +62,10 @@ def loading(
     body_wrenches: list[AppliedWrench] = []
     line_loads: dict[str, list[LineLoad]] = {}
     for line in load.lines:
-        leg, along = mechanism.bodies[line.leg].shape, _along_leg(posture, line)
-        if not isinstance(leg, ConstantLeg | GivenLeg | LineLeg):
-            raise InputError(f"bodies.{line.leg}: a distributed load needs a leg")
-        if not is_bent(leg):
+        along = _along_leg(posture, line)
+        if not is_bent(_loaded_leg(mechanism, line.leg)):
             line_loads.setdefault(line.leg, []).append(along)
-        wrenches = end_wrenches(_sections(leg, theory), along)
+        wrenches = _line_wrenches(mechanism, line.leg, along, bodies, theory)
         body_wrenches += _on_interfaces(posture, line.leg, wrenches)
     for on_faces in load.pressures:
         unit = bodies.unit_pressures[on_faces.body, on_faces.faces]
@@ -116,6 +114,22 @@ def loading(
         AppliedWrench(tool.body, tool.point, tool_position, np.append(force, np.zeros(3)))
     )
     return Loading(point_wrenches, body_wrenches, rotor_forces, line_loads)
+
+
+def _loaded_leg(mechanism: Mechanism, name: str) -> ConstantLeg | GivenLeg | LineLeg:
+    leg = mechanism.bodies[name].shape
+    if not isinstance(leg, ConstantLeg | GivenLeg | LineLeg):
+        raise InputError(f"bodies.{name}: a distributed load needs a leg")
+    return leg
+
+
+def _line_wrenches(
+    mechanism: Mechanism, name: str, load: LineLoad, bodies: InterfaceLoads, theory: Theory
+) -> Array:
+    """Wrenches (2×6, leg axes) on the ends of the leg `name` that represent a load along it."""
+    if by_body := bodies.line_wrenches.get(name):
+        return by_body(load)
+    return end_wrenches(_sections(_loaded_leg(mechanism, name), theory), load)
 
 
 def _along_leg(posture: Posture, line: AppliedLine) -> LineLoad:

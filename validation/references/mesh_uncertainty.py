@@ -51,14 +51,10 @@ ROUNDING = 1e-9
 # of beams of equal mass: 0.3 % for legs five times as long as high with rigid end faces (ν = 0.3),
 # a tenth of that with free ends.
 _MASS_OF_BEAMS = 5e-3
-# Relative difference between the tool's displacements under a load along a part of solid legs and
-# under the same load on beams: 2.4 % for a torque on the root half of legs five times as long as
-# high with rigid end faces, 0.9 % for forces.
+# Relative difference between the tool's displacements under a load along a part of straight solid
+# legs and under the same load on beams: 2.4 % for a torque on the root half of legs five times as
+# long as high with rigid end faces, 0.9 % for forces. Bent legs carry such loads as solids.
 LINE_ON_BEAMS = 3e-2
-# Relative difference for bent legs. Forces: 3.6 % across an arc five times as long as the section
-# is high, 6 % with a corner between pieces of three heights. Torques, which displace little:
-# 14 %.
-_FORCES_ON_BENT_BEAMS, _MOMENTS_ON_BENT_BEAMS = 8e-2, 0.15
 
 
 @dataclass(frozen=True)
@@ -176,14 +172,9 @@ def displacement_half_widths(responses: Responses, reading: Reading) -> SourceHa
 
 
 def _lines_on_beams(mechanism: Mechanism, load: Load) -> float:
-    """Relative half-width of displacements because solid legs carry `load.lines` like beams."""
+    """Relative half-width of displacements because straight solid legs carry lines like beams."""
     legs = legs_of(mechanism)
-    half_widths = [0.0]
-    for line in load.lines:
-        moments = line.load.first[3:].any() or line.load.last[3:].any()
-        bent = _MOMENTS_ON_BENT_BEAMS if moments else _FORCES_ON_BENT_BEAMS
-        half_widths.append(bent if is_bent(legs[line.leg]) else LINE_ON_BEAMS)
-    return max(half_widths)
+    return LINE_ON_BEAMS * any(not is_bent(legs[line.leg]) for line in load.lines)
 
 
 def frequency_half_widths(responses: Responses, reading: Reading) -> Array:

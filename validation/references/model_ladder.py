@@ -22,6 +22,7 @@ from lumped.mechanism.mechanism import Posture
 from lumped.model_choices import Ends, PartLegs
 from lumped.models import serial_chains
 from validation.context import Context
+from validation.models.loads.solid_lines import solid_line_wrenches
 from validation.models.loads.statics import (
     by_chains,
     displacements,
@@ -118,7 +119,13 @@ def solid_statics(robot: RobotOnPath, reading: Reading) -> Statics:
     parts = solid_parts(
         robot.reduction_postures, robot.computed_count, reading.ends, reading.part_mesh
     )
-    return assembled(robot.postures, tips, parts, reading.masses)
+
+    def options(body: str, leg: LineLeg) -> ModelOptions:
+        divisions = line_divisions(robot.context.meshes, leg)[reading.mesh]
+        return ModelOptions(divisions=divisions, ends=reading.ends[body])
+
+    lines = solid_line_wrenches(robot.mechanism, options)
+    return assembled(robot.postures, tips, parts, reading.masses, lines)
 
 
 def computed_statics(robot: RobotOnPath, reading: Reading) -> Statics:

@@ -6,12 +6,15 @@ rigorous bounds of the robot's frequencies, which enclose the effect of the omit
 the cut-off: it lies above the highest judged frequency by the factor `CUTOFF["solid"]`.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from fem.reduction.craig_bampton import FrequencyBounds, frequency_bounds
+from lumped.arrays import Array
 from lumped.mechanism.body_model import BodyModel
+from lumped.mechanism.load import LineLoad
 from lumped.mechanism.mechanism import Mechanism, Posture
 from lumped.model_choices import Ends, PartLegs, ReductionBy
 from lumped.models.bodies import links
@@ -132,12 +135,13 @@ def assembled(
     springs: Springs,
     parts: Bodies | None = None,
     masses: Masses = MASSES[0],
+    line_wrenches: Mapping[str, Callable[[LineLoad], Array]] | None = None,
 ) -> Statics:
     """Statics of the assembled mechanism, with each leg replaced by its 6×6 tip compliance.
 
     `parts` are models of the CAD parts; if None, they are condensed to their interfaces. `masses`
     is the mass distribution of legs specified by their 6×6 compliance, for loads that act on
-    masses.
+    masses. `line_wrenches` is that of `InterfaceLoads`; None is an empty one.
     """
     mechanism = postures[0].mechanism
     part_models = condensed_parts(mechanism) if parts is None else parts
@@ -146,7 +150,7 @@ def assembled(
     load_displacements = displacements_by(
         lambda posture, loads: tool_displacements(solutions[posture], loads),
         postures,
-        interface_loads(mechanism, masses, part_models),
+        replace(interface_loads(mechanism, masses, part_models), line_wrenches=line_wrenches or {}),
     )
     return Statics(
         np.array([compliance(solution) for solution in solutions.values()]), load_displacements

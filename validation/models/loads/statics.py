@@ -34,6 +34,7 @@ from lumped.system.solution import Solved, solved
 from validation.models.leg_models import condensed_leg, leg_matrices
 from validation.models.loads.leg_masses import MASSES, Masses, ends_mass
 from validation.models.loads.pressures import unit_pressures
+from validation.models.loads.solid_lines import solid_line_wrenches
 from validation.models.options import DEFAULT_OPTIONS, STATIC, ModelName, ModelOptions
 from validation.models.reduced_parts import condensed
 from validation.models.robot_bodies import (
@@ -238,20 +239,21 @@ def _leg_mass(leg: Leg, masses: Masses) -> Array:
 def interface_loads_of(
     model: ModelName, mechanism: Mechanism, options: ModelOptions
 ) -> InterfaceLoads:
-    """Masses on which loads act, and wrenches of pressures on faces of CAD parts.
+    """Masses on which loads act, wrenches of pressures, and of loads along bent solid legs.
 
     Masses are those of the model, or of `interface_loads` if the model has none.
     """
     if model == "simplified" or model in STATIC:
         return interface_loads(mechanism)
     pressures = unit_pressures(mechanism)
+    lines = solid_line_wrenches(mechanism, lambda *_: options) if model == "solid" else {}
     if not any(load.acts_on_mass for load in mechanism.loads):
-        return InterfaceLoads({}, pressures)
+        return InterfaceLoads({}, pressures, lines)
     bodies = static_bodies(model, mechanism, options)
     if model == "segments":
         bodies |= bodies_of(mechanism, replace(options, release="condensed"), _segments)
     masses = {name: interface_mass(body) for name, body in bodies.items()}
-    return InterfaceLoads(masses, pressures)
+    return InterfaceLoads(masses, pressures, lines)
 
 
 def _segments(leg: SectionedLeg | SteppedLeg, options: ModelOptions) -> LegMatrices:
