@@ -270,63 +270,48 @@ def _modal_meshes(responses: Responses, reading: Reading) -> SourceHalfWidths:
 
 
 def _modal_digits(responses: Responses, reading: Reading) -> SourceHalfWidths:
-    """Half-widths of frequencies and harmonic responses due to printed digits."""
+    """Half-widths of frequencies and harmonic responses due to printed digits.
+
+    If the natural frequency nearest to an excitation frequency ω has the relative half-width s, all
+    natural frequencies are assumed to change by s, and all stiffnesses by 2s. The receptance h(ω)
+    then becomes h(ω(1 − s))/(1 + 2s). A peak moves by s, and its height changes by 2s.
+    """
     robot, fine = responses.robot, responses.required_modes(SOLID, reading)
     digits = _frequency_digit_half_widths(robot, fine, reading)
     if not robot.mechanism.excitations:
         return SourceHalfWidths(frequencies=digits)
-    peaks, receptances = _response_digit_half_widths(robot, fine, digits)
-    return SourceHalfWidths(frequencies=digits, peaks=peaks, receptances=receptances)
+    peaks: list[Array] = []
+    receptances = []
+    for number, excitation in enumerate(robot.mechanism.excitations):
+        frequencies, sizes = excitation.frequencies, _receptance_sizes(number, fine)
+        peak = _nearest_half_widths(fine, digits, fine.peaks[:, [len(peaks) + 1]])[:, 0]
+        slopes = np.gradient(np.log(np.maximum(sizes, _NO_SIZE)), np.log(frequencies), axis=1)
+        nearest = _nearest_half_widths(fine, digits, np.broadcast_to(frequencies, sizes.shape))
+        half_widths = nearest * (2.0 + np.abs(slopes))
+        peaks += [2.0 * peak, peak]
+        if excitation.at is not None:
+            peaks.append(
+                np.array([np.interp(excitation.at, frequencies, row) for row in half_widths])
+            )
+        receptances.append(half_widths)
+    return SourceHalfWidths(
+        frequencies=digits, peaks=np.stack(peaks, axis=1), receptances=receptances
+    )
+
+
+def _nearest_half_widths(fine: PathModes, digits: Array, frequencies: Array) -> Array:
+    """Relative half-widths (P×n) of the natural frequencies nearest to `frequencies` (P×n, Hz).
+
+    `digits` (P×K): relative half-widths of the natural frequencies of the modes `fine`. Array
+    sizes: P poses, K judged frequencies.
+    """
+    natural = np.nan_to_num(fine.frequencies[:, : digits.shape[1]], nan=np.inf)
+    nearest = np.argmin(np.abs(natural[:, None] - frequencies[:, :, None]), axis=2)
+    return np.take_along_axis(digits, nearest, axis=1)
 
 
 def _receptance_sizes(excitation: int, modes: PathModes) -> Array:
     return np.abs(modes.receptances[excitation])
-
-
-def _response_digit_half_widths(
-    robot: RobotOnPath, fine: PathModes, digits: Array
-) -> tuple[Array, list[Array]]:
-    """Relative half-widths of peaks (P×q) and receptances (P×n for each excitation).
-
-    They are due to the rounding of printed 6×6 matrices, and follow from the relative effect of
-    this rounding on frequencies, `digits` (P×K). Array sizes: P poses, K judged frequencies, q
-    judged quantities of responses, n excitation frequencies.
-    """
-    peak_half_widths: list[Array] = []
-    receptances = []
-    for number, excitation in enumerate(robot.mechanism.excitations):
-        peak = fine.peaks[:, [len(peak_half_widths) + 1]]
-        peak_half_width, half_widths = _digit_half_widths(
-            fine, digits, excitation.frequencies, _receptance_sizes(number, fine), peak
-        )
-        peak_half_widths += [2.0 * peak_half_width, peak_half_width]
-        if excitation.at is not None:
-            peak_half_widths.append(
-                np.array(
-                    [np.interp(excitation.at, excitation.frequencies, row) for row in half_widths]
-                )
-            )
-        receptances.append(half_widths)
-    return np.stack(peak_half_widths, axis=1), receptances
-
-
-def _digit_half_widths(
-    fine: PathModes, digits: Array, frequencies: Array, sizes: Array, peak: Array
-) -> tuple[Array, Array]:
-    """Relative half-widths due to digits: of a peak's frequency (P), and of receptances (P×n).
-
-    `digits` (P×K): relative half-widths of the natural frequencies of the modes `fine`. `sizes`
-    (P×n) are receptance magnitudes at `frequencies` (n, Hz); `peak` (P×1, Hz) is the frequency of
-    the peak. All natural frequencies are assumed to change by the half-width s of the one that is
-    nearest to the excitation frequency, and all stiffnesses by 2s. The receptance h(ω) then becomes
-    h(ω(1 − s))/(1 + 2s).
-    """
-    modes = np.nan_to_num(fine.frequencies[:, : digits.shape[1]], nan=np.inf)
-    evaluated = np.hstack([peak, np.broadcast_to(frequencies, sizes.shape)])
-    nearest = np.argmin(np.abs(modes[:, None] - evaluated[:, :, None]), axis=2)
-    shares = np.take_along_axis(digits, nearest, axis=1)
-    slopes = np.gradient(np.log(np.maximum(sizes, _NO_SIZE)), np.log(frequencies), axis=1)
-    return shares[:, 0], shares[:, 1:] * (2.0 + np.abs(slopes))
 
 
 def _frequency_digit_half_widths(robot: RobotOnPath, fine: PathModes, reading: Reading) -> Array:
