@@ -42,6 +42,11 @@ def dense(matrix: SparseMatrix) -> Array:
     return np.asarray(matrix.toarray() if issparse(matrix) else matrix)
 
 
+def symmetric(matrix: Array) -> Array:
+    """Symmetric part of a matrix (n×n), for matrices that are symmetric except for round-off."""
+    return np.asarray(0.5 * (matrix + matrix.T))
+
+
 def unit_diagonal(matrix: Array) -> Array:
     """Scale factors d (n) for which d_i A_ij d_j has a unit diagonal, with A = `matrix` (n×n).
 

@@ -363,19 +363,14 @@ def line_length(leg: Leg) -> float:
     return leg.line.length if isinstance(leg, LineLeg) else float(leg.length)
 
 
-def sectioned_compliance(leg: SectionedLeg, theory: Theory) -> Array:
-    """6×6 tip compliance (SI, leg axes) of a leg with sections, by the beam theory `theory`."""
-    if isinstance(leg, LineLeg):
-        return leg.sections(theory).tip_compliance
-    return tip_compliance(leg.properties(theory), leg.length)
-
-
-def given_compliance(leg: Leg) -> Array:
+def given_compliance(leg: Leg, theory: Theory = "timoshenko") -> Array:
     """6×6 tip compliance (SI, leg axes) of a leg.
 
     For a leg specified by its 6×6 it is the matrix in the robot file. For a leg with sections it is
-    computed by Timoshenko's theory.
+    computed by the beam theory `theory`.
     """
     if isinstance(leg, GivenLeg):
         return leg.compliance
-    return sectioned_compliance(leg, "timoshenko")
+    if isinstance(leg, LineLeg):
+        return leg.sections(theory).tip_compliance
+    return tip_compliance(leg.properties(theory), leg.length)

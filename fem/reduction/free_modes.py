@@ -26,8 +26,7 @@ def free_modes(rooted: RootedBody, count: int) -> CertifiedModes:
     def counted(sigma: float) -> Inertia:
         # The memory of the stiffness factor is released for the factor of the count.
         rooted.factor.give_up()
-        signs = rooted.free_inertia(sigma)
-        return signs._replace(negative=signs.negative - RIGID_MOTIONS)
+        return body.inertia(sigma)
 
     space = body.space()
     modes = lowest_modes(body.flexibility, body.mass, count, counted, body.state, space)

@@ -19,7 +19,7 @@ from fem.bodies.rooted import RootedBody
 from fem.solvers.backends.cudss import space_of
 from fem.solvers.backends.protocol import HOST, Space
 from fem.solvers.factor import Inertia
-from lumped.arrays import Array, SparseMatrix, fix_signs
+from lumped.arrays import Array, SparseMatrix, fix_signs, symmetric
 from lumped.dense.modes import Modes
 
 # Residual modes with less than this fraction of the work of the forces are round-off.
@@ -67,9 +67,10 @@ class Held(VibratingBody):
 class FreeBody(VibratingBody):
     """An unsupported body. Its modes are the elastic ones.
 
-    `rigid` (n×6) are its rigid motions with unit modal mass.
+    `rigid` (n×6) are its rigid motions with unit modal mass. Its eigenvalues can be counted.
     """
 
+    inertia: Callable[[float], Inertia]
     rigid: Array
 
 
@@ -133,20 +134,16 @@ def residual_modes(body: VibratingBody, forces: Array, modes: Modes) -> tuple[Mo
     truncated = inertia.T @ _less_kept(modes, mass_shapes, body.flexibility(inertia))
     stiffness, mass = loads.T @ response, response.T @ inertia
     scale = 1.0 / np.sqrt(np.einsum("ij,ij->j", forces, body.flexibility(forces)))
-    values, vectors = eigh(_symmetric(stiffness) * scale[:, None] * scale)
+    values, vectors = eigh(symmetric(stiffness) * scale[:, None] * scale)
     significant = values > _NO_RESIDUAL
     basis = scale[:, None] * vectors[:, significant] / np.sqrt(values[significant])
-    inverse_squares, amplitudes = eigh(basis.T @ _symmetric(mass) @ basis)
+    inverse_squares, amplitudes = eigh(basis.T @ symmetric(mass) @ basis)
     inverse_squares, amplitudes = inverse_squares[::-1], amplitudes[:, ::-1]
     shapes = fix_signs(response @ (basis @ amplitudes) / np.sqrt(inverse_squares))
     frequencies = 1.0 / (2.0 * np.pi * np.sqrt(inverse_squares))
-    return Modes(frequencies, shapes), _symmetric(truncated)
+    return Modes(frequencies, shapes), symmetric(truncated)
 
 
 def _less_kept(modes: Modes, mass_shapes: Array, displacement: Array) -> Array:
     rest: Array = displacement - modes.shapes @ (mass_shapes.T @ displacement)
     return rest
-
-
-def _symmetric(matrix: Array) -> Array:
-    return np.asarray(0.5 * (matrix + matrix.T))

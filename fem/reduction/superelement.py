@@ -15,7 +15,7 @@ from fem.bodies.rooted import RootedBody
 from fem.bodies.solid import centreline_of, line_of
 from fem.reduction.held import Held, held_body
 from fem.solvers.factor import Factor, analyse
-from lumped.arrays import Array, SparseMatrix
+from lumped.arrays import Array, SparseMatrix, symmetric
 from lumped.centre_line import CentreLine
 from lumped.dense.statics import ELIMINATION, balanced_flexibility, rounding_of_flexibility
 from lumped.errors import ComputationError
@@ -76,7 +76,7 @@ def ends_stiffness(tip_stiffness: Array, length: float) -> Array:
     round-off for any mesh.
     """
     relative = np.hstack([-shift(np.array([length, 0.0, 0.0])), np.eye(6)])
-    return _symmetric(relative.T @ tip_stiffness @ relative)
+    return symmetric(relative.T @ tip_stiffness @ relative)
 
 
 def held_leg(leg: LegMatrices) -> HeldLeg:
@@ -151,23 +151,19 @@ def reduced(held: HeldLeg, recovery: Array, stiffness: Array, mass: Array) -> Su
         return csr_array(unreduced_centreline(stations) @ recovery)
 
     parts = {
-        kind: csr_array(_symmetric(recovery.T @ (part @ recovery)))
+        kind: csr_array(symmetric(recovery.T @ (part @ recovery)))
         for kind, part in held.parts.items()
     }
     matrices = LegMatrices(
         model=f"{held.model}, reduced",
         length=held.length,
         line=held.line,
-        stiffness=csr_array(_symmetric(stiffness)),
-        mass=csr_array(_symmetric(mass)),
+        stiffness=csr_array(symmetric(stiffness)),
+        mass=csr_array(symmetric(mass)),
         centreline=centreline,
         parts=parts,
     )
     return Superelement(matrices, recovery)
-
-
-def _symmetric(matrix: Array) -> Array:
-    return np.asarray(0.5 * (matrix + matrix.T))
 
 
 def _interior_factor(model: str, stiffness: SparseMatrix) -> Factor | None:

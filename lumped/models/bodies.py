@@ -14,10 +14,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from lumped.arrays import Array, dense
+from lumped.arrays import Array, dense, symmetric
 from lumped.dense.modes import Modes, solve_modes
 from lumped.dense.statics import balanced_flexibility, solve_statics
-from lumped.equivalent_leg import equivalent_leg, sectioned_leg
+from lumped.equivalent_leg import equivalent_leg
 from lumped.errors import ComputationError, InputError
 from lumped.legs import (
     ConstantLeg,
@@ -26,7 +26,6 @@ from lumped.legs import (
     LineLeg,
     given_compliance,
     is_bent,
-    sectioned_compliance,
 )
 from lumped.mechanism.body import Body
 from lumped.mechanism.body_model import LegMatrices
@@ -89,11 +88,8 @@ def tip_compliances(
     """
     compliances = {}
     for name, leg in legs_of(mechanism).items():
-        if isinstance(leg, GivenLeg) and springs == "given":
-            compliances[name] = given_compliance(leg)
-        else:
-            sectioned = sectioned_leg(leg, by) if springs == "given" else equivalent_leg(leg, by)
-            compliances[name] = sectioned_compliance(sectioned, theory)
+        model_leg = leg if springs == "given" else equivalent_leg(leg, by)
+        compliances[name] = given_compliance(model_leg, theory)
     return compliances
 
 
@@ -117,7 +113,7 @@ def link(length: float, compliance: Array) -> LegMatrices:
     line between its ends, and twists are interpolated linearly along it.
     """
     relative = np.hstack([-shift(np.array([length, 0.0, 0.0])), np.eye(6)])
-    stiffness: Array = relative.T @ np.linalg.inv(compliance) @ relative
+    stiffness = relative.T @ np.linalg.inv(compliance) @ relative
 
     def centreline(stations: Array) -> Array:
         share = np.asarray(stations, dtype=float) / length
@@ -126,7 +122,7 @@ def link(length: float, compliance: Array) -> LegMatrices:
     return LegMatrices(
         model="link",
         length=length,
-        stiffness=0.5 * (stiffness + stiffness.T),
+        stiffness=symmetric(stiffness),
         mass=np.zeros((12, 12)),
         centreline=centreline,
     )

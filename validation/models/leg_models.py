@@ -26,12 +26,10 @@ from lumped.equivalent_leg import equivalent_leg, sectioned_leg
 from lumped.errors import InputError
 from lumped.legs import (
     ConstantLeg,
-    GivenLeg,
     Leg,
     LineLeg,
     SectionedLeg,
     given_compliance,
-    sectioned_compliance,
 )
 from lumped.mechanism.body_model import BodyModel, LegMatrices
 from lumped.memo import memo
@@ -212,13 +210,11 @@ def leg_compliance(model: ModelName, leg: Leg, options: ModelOptions = DEFAULT_O
         raise InputError(
             "--leg: not for model simplified, whose legs are rigid; choose another --model"
         )
-    if model in STATIC and options.legs == "given" and isinstance(leg, GivenLeg):
-        return given_compliance(leg)
-    if model in STATIC and options.legs == "equivalent":
-        leg = equivalent_leg(leg, options.equivalent)
-    sectioned = sectioned_leg(leg, options.equivalent)
     if model in STATIC:
-        return sectioned_compliance(sectioned, options.theory)
+        if options.legs == "equivalent":
+            leg = equivalent_leg(leg, options.equivalent)
+        return given_compliance(leg, options.theory)
+    sectioned = sectioned_leg(leg, options.equivalent)
     if model == "solid":
         return clamped_solid(sectioned, options.divisions, options.ends).compliance
     return tip_compliance_of(leg_matrices(model, sectioned, options))

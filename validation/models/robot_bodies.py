@@ -18,7 +18,7 @@ from fem.beams.stepped import SteppedLeg
 from fem.reduction.craig_bampton import CUTOFF_FACTOR
 from lumped.arrays import Array
 from lumped.equivalent_leg import sectioned_leg
-from lumped.legs import ConstantLeg, GivenLeg, LineLeg, SectionedLeg, sectioned_compliance
+from lumped.legs import ConstantLeg, GivenLeg, LineLeg, SectionedLeg, given_compliance
 from lumped.mechanism.body_model import BodyModel, LegMatrices
 from lumped.mechanism.joint import Joint
 from lumped.mechanism.mechanism import Mechanism, Posture
@@ -178,7 +178,7 @@ def bodies_of(
 def _link(leg: SectionedLeg | SteppedLeg, options: ModelOptions) -> LegMatrices:
     if isinstance(leg, SteppedLeg):
         return condensed_leg("beam", leg, options)
-    return link(leg.length, sectioned_compliance(leg, options.theory))
+    return link(leg.length, given_compliance(leg, options.theory))
 
 
 def released(postures: Sequence[Posture], options: ModelOptions) -> Sequence[Posture]:

@@ -9,7 +9,7 @@ from fem.bodies.solid import clamped_leg, section_twists, solid_leg, solid_mesh
 from fem.couplings.grips import rigid_motions
 from lumped.acceptance.requirement import DEFAULT_LIMITS
 from lumped.centre_line import CentreLine, LinePiece
-from lumped.legs import ConstantLeg, LineLeg, Material, sectioned_compliance
+from lumped.legs import ConstantLeg, LineLeg, Material, given_compliance
 from lumped.robot_file.load import robot_of
 from lumped.screws import shift
 from lumped.sections import HollowRectangle, Rectangle
@@ -24,7 +24,7 @@ from validation.references.corners_and_steps import (
     tip_changes,
     tip_half_widths,
 )
-from validation.report.figures.requested import figures
+from validation.report.figures.loads_and_responses import figures
 from validation.run.outcome import judge
 from validation.solids.leg_meshes import formal_order, notch_order
 
@@ -50,7 +50,7 @@ def test_flat_corner_gives_prism():
     """A corner of 0.2° changes the solid of a prism as its beam, up to the square of the angle."""
     leg, prism = bent(0.3, 0.2), ConstantLeg(0.6, SECTION, STEEL)
     expected = solid_tip(prism)
-    of_beam = sectioned_compliance(leg, "timoshenko") - sectioned_compliance(prism, "timoshenko")
+    of_beam = given_compliance(leg) - given_compliance(prism)
     difference = solid_tip(leg) - expected - of_beam
     sizes = np.sqrt(np.outer(np.diag(expected), np.diag(expected)))
     # The chord lies beside the line: in tension the beam's change is 3e-4.
