@@ -6,7 +6,8 @@ stored in it.
 """
 
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, TypeVar
@@ -17,6 +18,15 @@ from validation.run.cache import Arrays, CacheEntry, keep
 from validation.run.executor import Executor, in_order
 
 T = TypeVar("T")
+
+
+@contextmanager
+def sent_file(name: str, content: bytes) -> Iterator[Path]:
+    """Context manager that yields a temporary file with the name and content of a part's file."""
+    with tempfile.TemporaryDirectory(prefix="flexproof-part-") as folder:
+        copy = Path(folder) / name
+        copy.write_bytes(content)
+        yield copy
 
 
 @dataclass(frozen=True)
@@ -32,9 +42,7 @@ class _SentPart:
 
     def __call__(self) -> dict[str, Arrays]:
         """Arrays of the entry and of the entries that it needs, by cache key."""
-        with tempfile.TemporaryDirectory(prefix="flexproof-part-") as folder:
-            copy = Path(folder) / self.file.path.name
-            copy.write_bytes(self.content)
+        with sent_file(self.file.path.name, self.content) as copy:
             entry = self.entry_of(replace(self.file, path=copy))
             entry.value()
             return entry.stored_arrays

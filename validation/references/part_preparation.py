@@ -6,13 +6,11 @@ all other work of a run. The parts, and the meshes of one part, are independent 
 each is a separate piece of work. An entry that is already stored is not computed again.
 """
 
-import tempfile
 from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import product
-from pathlib import Path
 from typing import Any
 
 from lumped.errors import ComputationError, InputError
@@ -23,6 +21,7 @@ from validation.models import reduced_parts
 from validation.models.loads.pressures import pressed_faces
 from validation.models.stepped_parts import stepped_entry
 from validation.parts.meshes import COARSE, FINEST, MIDDLE, part_key
+from validation.parts.sent import sent_file
 from validation.references.reference_parts import highest_of_parts, interface_coupling
 from validation.references.robot_on_path import RobotOnPath, robot_on_path
 from validation.run.cache import Arrays, CacheEntry, find, keep
@@ -70,9 +69,7 @@ class PartWork:
         if not self.remote:
             yield self.body
             return
-        with tempfile.TemporaryDirectory(prefix="flexproof-part-") as folder:
-            copy = Path(folder) / shape.file.name
-            copy.write_bytes(self.content)
+        with sent_file(shape.file.name, self.content) as copy:
             yield replace(self.body, shape=replace(shape, file=copy))
 
 
