@@ -1,4 +1,4 @@
-"""Placement of legs and rigid bodies on named points in the reference posture."""
+"""Placement of legs and rigid bodies on named points in the reference posture; a leg alone."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
@@ -9,10 +9,14 @@ from lumped.arrays import Array
 from lumped.errors import InputError
 from lumped.legs import Leg
 from lumped.mechanism.body import Body, Frame, Rigid
+from lumped.mechanism.joint import Joint, Side
+from lumped.mechanism.mechanism import GROUND, Mechanism, Tool
 
 _X, _, _Z = np.eye(3)
 # Sine of the angle below which two directions count as parallel.
 _PARALLEL = 1e-6
+# Names of the interfaces of a leg alone.
+_ROOT, _TIP = "root", "tip"
 
 
 def leg_frame(start: Array, end: Array, up: Array | None = None) -> Frame:
@@ -87,3 +91,21 @@ def place_rigid_body(
     frame_origin = points[names[0]] if origin is None else origin
     interface_frames = {point: Frame(points[point] - frame_origin) for point in names}
     return Body(name, shape or Rigid(), interface_frames), Frame(frame_origin)
+
+
+def clamped_leg(name: str, leg: Leg) -> Mechanism:
+    """Mechanism of one leg in leg axes: its root is fixed to the ground, the tool is at its tip."""
+    points = {_ROOT: np.zeros(3), _TIP: np.array([leg.length, 0.0, 0.0])}
+    placed_bodies = [
+        place_rigid_body(GROUND, [_ROOT], points, origin=np.zeros(3)),
+        place_leg(name, leg, (_ROOT, _TIP), points),
+    ]
+    clamp = Joint("clamp", "fixed", Side(GROUND, _ROOT), Side(name, _ROOT), np.zeros((0, 3)))
+    return Mechanism(
+        name=name,
+        bodies={body.name: body for body, _ in placed_bodies},
+        joints=(clamp,),
+        tool=Tool(name, _TIP),
+        reference={body.name: frame for body, frame in placed_bodies},
+        poses=np.zeros((1, 0)),
+    )

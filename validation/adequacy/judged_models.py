@@ -118,9 +118,6 @@ JUDGED: Mapping[str, JudgedModel] = {
         modal_steps=("shear of beams", *MODES_FROM_BEAMS),
     ),
 }
-# Names of the steps from each judged model to the static and to the modal reference.
-STATIC_ORDERS = {name: model.static_steps for name, model in JUDGED.items()}
-MODAL_ORDERS = {name: model.modal_steps for name, model in JUDGED.items()}
 # Models whose legs are rigid or as in the robot file. All others use equivalent prisms.
 LEGS_AS_GIVEN = tuple(
     name

@@ -119,9 +119,7 @@ def _entry(
     )
     remedy, remaining = "", None
     if verdict == "inadequate":
-        remedy, remaining = shortest_remedy(
-            model_errors, model, quantity, errors, requirement, pose
-        )
+        remedy, remaining = shortest_remedy(model_errors, model, quantity, errors, limits, pose)
     input_error = inputs.error(model, quantity, errors) if inputs else None
     chances = probability(input_error, verdict, limits, pose) if input_error else None
     defined = not missing[pose]
@@ -264,14 +262,13 @@ def _errors_along_load(errors: Errors, rows: IntArray) -> tuple[float | None, ..
 
 
 def _worst_force(errors: Errors, quantity: Quantity, position: Position) -> tuple[float, ...]:
-    """Direction (3) of the force or moment with the largest error, for a load in any direction.
+    """Direction (3) of the force with the largest error, for a force in any direction.
 
     () for quantities with another load. `position`: index of the interpretation and of the pose.
     """
     if errors.displacement is None or not quantity.any_direction:
         return ()
-    wrench = errors.displacement.wrench[position]
-    return tuple(float(number) for number in (wrench[3:] if quantity.rotational else wrench[:3]))
+    return tuple(errors.displacement.wrench[position][:3].tolist())
 
 
 def _pose(subject: Subject, index: int) -> tuple[float, ...]:
@@ -353,10 +350,10 @@ def shortest_remedy(
     model: Model,
     quantity: Quantity,
     errors: Errors,
-    requirement: Requirement,
+    limits: Array,
     pose: int,
 ) -> tuple[str, float | None]:
-    """Remedy with the fewest steps after which the errors meet the limits in all poses.
+    """Remedy with the fewest steps after which the errors meet the `limits` (P) in all P poses.
 
     It is returned with the remaining error, in the pose in which this error is largest relative to
     the limit. Half-widths are not considered. If the model remains inadequate after any number of
@@ -369,7 +366,6 @@ def shortest_remedy(
     subject = model_errors.subject
     tried: list[tuple[float, float, str, bool]] = []
     remedies: dict[str, str] = {}
-    limits = _pose_limits(errors, quantity, requirement)
     start, before = float(errors.worst[pose]), errors.worst
     for step in subject.steps(model, quantity):
         after = model_errors.errors(step.model, quantity)
@@ -383,10 +379,9 @@ def shortest_remedy(
             remedies = {} if step.remedy.model else remedies
             remedies[step.remedy.option or step.remedy.text] = step.remedy.text
         if step.remedy and remedies and np.isfinite(errors_after).all():
-            limits_after = _pose_limits(after, quantity, requirement)
-            shares = np.abs(errors_after) / limits_after
+            shares = np.abs(errors_after) / limits
             worst = int(np.argmax(shares))
-            beyond = "inadequate" in verdicts_of(after, limits_after)
+            beyond = "inadequate" in verdicts_of(after, limits)
             remaining = float(errors_after[worst])
             tried.append((float(shares[worst]), remaining, ", ".join(remedies.values()), beyond))
         # The effect of a step without a remedy is added to that of the next step.

@@ -6,7 +6,7 @@ requested accuracy, or a fifth of the limit of each undecided error. A leg alone
 root, shows errors that joints, drives and other legs conceal, such as torsion of open sections.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 
@@ -16,18 +16,15 @@ import scipy
 from lumped.acceptance.quantities import load_quantities, response_quantities
 from lumped.errors import InputError
 from lumped.legs import GivenLeg, Leg
-from lumped.mechanism.joint import Joint, Side
 from lumped.mechanism.kinematics.mobility import mobility
 from lumped.mechanism.kinematics.postures import reference_posture
-from lumped.mechanism.mechanism import GROUND, Mechanism, Tool
-from lumped.mechanism.placing import place_leg, place_rigid_body
+from lumped.mechanism.placing import clamped_leg
 from lumped.models.bodies import leg_of, on_equivalent_legs
 from lumped.text import counted
 from validation.adequacy.judged_models import (
     JUDGED,
     LEGS_AS_GIVEN,
-    MODAL_ORDERS,
-    STATIC_ORDERS,
+    JudgedModel,
     judged_models_of,
 )
 from validation.adequacy.judgement import verdict_matrix
@@ -41,6 +38,7 @@ from validation.references.modes_on_path import solid_meshes
 from validation.references.reference import (
     InputUncertainties,
     Reference,
+    Step,
     Steps,
     Subject,
     no_reference,
@@ -61,7 +59,6 @@ from validation.solids.solid_size import LARGEST, solid_unknowns
 from validation.uncertainty.refinement import refined
 from validation.verdicts import Matrix
 
-_ROOT, _TIP = "root", "tip"
 # Presets that refine meshes without --accuracy, for robots with and without CAD parts. A quick run
 # has one mesh of each kind, and finer meshes of parts take minutes.
 _REFINING: Mapping[bool, tuple[Preset, ...]] = {False: ("standard", "fine"), True: ("fine",)}
@@ -171,7 +168,9 @@ def robot_subject(context: Context) -> Subject:
     subject = replace(
         statics,
         dynamics=reference,
-        modal_steps=modal_steps(robot, models, MODAL_ORDERS),
+        modal_steps=_steps_by_model(
+            modal_steps(robot, models["beam"], models["segments"]), lambda model: model.modal_steps
+        ),
         notes=(*_notes(robot), *stable, *_assumption_notes(responses, reference)),
         faults=faults,
         parts=tuple(
@@ -205,17 +204,31 @@ def static_subject(robot: RobotOnPath, models: Iterable[Model]) -> Subject:
 
     If a leg cannot be modelled as a solid, the subject contains the reason instead of a reference.
     """
-    responses, steps = Responses(robot), Steps()
+    responses, steps = Responses(robot), {}
     try:
-        reference, steps = static_reference(responses), static_steps(robot, STATIC_ORDERS)
+        reference, steps = static_reference(responses), static_steps(robot)
     except UNSOLVED as error:
         reference = no_reference(error)
     return replace(
         subject_of(responses, models, statics=reference),
-        static_steps=steps,
+        static_steps=_steps_by_model(steps, lambda model: model.static_steps),
         loads=load_quantities([load.name for load in robot.mechanism.loads]),
         harmonics=response_quantities(robot.mechanism.judged_responses),
     )
+
+
+def _steps_by_model(
+    steps: Mapping[str, Step], names_of: Callable[[JudgedModel], Sequence[str]]
+) -> Steps:
+    """Steps that remove the errors of a model one by one, in order from the model to the reference.
+
+    Keys are the names of the judged models. `steps`: steps that exist for the robot, by name.
+    `names_of` returns the names of the steps of a judged model.
+    """
+    return {
+        name: tuple(steps[step] for step in names_of(model) if step in steps)
+        for name, model in JUDGED.items()
+    }
 
 
 def subject_of(
@@ -274,7 +287,7 @@ def _constant_section_subject(robot: RobotOnPath, models: Mapping[str, Model]) -
 
 def leg_subject(context: Context, name: str, shape: Leg) -> Subject:
     """Subject of one leg alone, clamped at its root, with the statics of its models."""
-    leg = robot_at(context, [reference_posture(leg_alone(name, shape))])
+    leg = robot_at(context, [reference_posture(clamped_leg(name, shape))])
     left_out = _NOT_FOR_A_LEG if leg.given else (*_NOT_FOR_A_LEG, "vjm-equivalent")
     recipes = {name: recipe for name, recipe in JUDGED.items() if name not in left_out}
     subject = static_subject(leg, _without_modes(judged_models_of(leg, recipes).values()))
@@ -282,24 +295,6 @@ def leg_subject(context: Context, name: str, shape: Leg) -> Subject:
         return subject
     title = "specified 6×6 compliance of the leg" if leg.given else "solid leg with clamped root"
     return replace(subject, statics=replace(subject.statics, title=title))
-
-
-def leg_alone(name: str, shape: Leg) -> Mechanism:
-    """Mechanism of one leg in leg axes: first interface fixed to the ground, tool at the second."""
-    points = {_ROOT: np.zeros(3), _TIP: np.array([shape.length, 0.0, 0.0])}
-    placed_bodies = [
-        place_rigid_body(GROUND, [_ROOT], points, origin=np.zeros(3)),
-        place_leg(name, shape, (_ROOT, _TIP), points),
-    ]
-    clamp = Joint("clamp", "fixed", Side(GROUND, _ROOT), Side(name, _ROOT), np.zeros((0, 3)))
-    return Mechanism(
-        name=name,
-        bodies={body.name: body for body, _ in placed_bodies},
-        joints=(clamp,),
-        tool=Tool(name, _TIP),
-        reference={body.name: frame for body, frame in placed_bodies},
-        poses=np.zeros((1, 0)),
-    )
 
 
 def _notes(robot: RobotOnPath) -> list[str]:

@@ -106,11 +106,11 @@ def _below(squared: Array, cutoff: float) -> int:
 
 
 @memo(16)
-def _read(path: Path, unit: str | None, _written: tuple[int, int] | None) -> PartFile:
+def _read(path: Path, unit: str | None, _version: tuple[int, int] | None) -> PartFile:
     return part_file(path, unit)
 
 
-def _written(path: Path) -> tuple[int, int] | None:
+def _version(path: Path) -> tuple[int, int] | None:
     """Size and modification time of a file, from which a change of the file is detected.
 
     None if the file cannot be read.
@@ -151,8 +151,9 @@ def found_in(body: Body) -> tuple[PartFile, tuple[Interface, ...]]:
     Raises InputError if the file cannot be read or has no faces at the points of the joints.
     """
     shape = shape_of(body)
+    version = _version(shape.file)
     try:
-        file = _read(shape.file, shape.unit, _written(shape.file))
+        file = _read(shape.file, shape.unit, version)
         points = {name: frame.position for name, frame in body.interfaces.items()}
         return file, find_interfaces(file, shape.interfaces, points)
     except InputError as error:

@@ -385,7 +385,8 @@ def _answer(
     Other frequencies are used in differences, in which a missing mode would appear as a large
     uncertainty.
     """
-    body = held_part(part, grips_of(part.mesh, interfaces, coupling))
+    grips = grips_of(part.mesh, interfaces, coupling)
+    body = held_part(part, grips)
     # Before the modes, because counting them replaces the factorisation of the stiffness.
     matrices = body.stiffness, body.condensed_mass, body.compliance
     shapes = body.solid.transformation @ body.constraint_modes

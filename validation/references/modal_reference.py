@@ -8,7 +8,7 @@ interfaces. For legs specified by their 6×6 compliance there is an interpretati
 plausible distribution of mass and stiffness between their ends.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from itertools import product
 
@@ -38,9 +38,7 @@ from validation.references.reference import (
     Remedy,
     Source,
     Step,
-    Steps,
     finer_by,
-    steps_by_model,
     use,
 )
 from validation.references.reference_parts import FINER_PARTS, part_kinds
@@ -156,21 +154,15 @@ def mass_notes(responses: Responses, reference: Reference) -> tuple[str, ...]:
     return (f"{note}; upper bounds, with massless legs: {', '.join(bounds)}",)
 
 
-def modal_steps(
-    robot: RobotOnPath, judged: Mapping[str, Model], orders: Mapping[str, Sequence[str]]
-) -> Steps:
-    """Intermediate models between each judged model and the modal reference.
-
-    The result, `judged` and `orders` have the name of the judged model as key. Each intermediate
-    model removes one cause of error. `orders`: names of the steps in `all_modal_steps`, from the
-    judged model to the reference.
-    """
+def modal_steps(robot: RobotOnPath, beam: Model, segments: Model) -> dict[str, Step]:
+    """Steps of `all_modal_steps` that exist for a robot, by name."""
+    steps = all_modal_steps(beam, segments)
     applicable = {*_OF_BEAMS, *part_kinds(robot.mechanism)}
     if robot.mechanism.parts:
         applicable.add("modes inside")
     if robot.prisms and not robot.given:
         applicable |= set(MODES_TO_SOLIDS)
-    return steps_by_model(orders, all_modal_steps(judged["beam"], judged["segments"]), applicable)
+    return {name: steps[name] for name in applicable}
 
 
 def all_modal_steps(beam: Model, segments: Model) -> dict[str, Step]:

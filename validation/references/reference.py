@@ -6,7 +6,7 @@ the robot file leaves possible. Each interpretation has a `Budget`: half-widths 
 combines all of this for one robot, which `validation.adequacy` then judges.
 """
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
 from typing import TypeAlias
@@ -213,21 +213,6 @@ class Step:
 
 # Steps of each judged model, by its name.
 Steps: TypeAlias = dict[str, Sequence[Step]]
-
-
-def steps_by_model(
-    orders: Mapping[str, Sequence[str]], steps: Mapping[str, Step], applicable: Collection[str]
-) -> Steps:
-    """Steps that remove the errors of a model one by one, in order from the model to the reference.
-
-    `orders` has the names of models on which verdicts are given, and for each of them the names of
-    its steps. `steps` are all steps by name, of which those named in `applicable` exist for the
-    robot. Keys of the result are those of `orders`.
-    """
-    return {
-        judged: tuple(steps[name] for name in names if name in applicable)
-        for judged, names in orders.items()
-    }
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,8 +7,6 @@ with a cross-section and CAD parts are 3-D solids; other legs have the 6×6 comp
 file.
 """
 
-from collections.abc import Mapping, Sequence
-
 from validation.references.corners_and_steps import CORNERS, SOURCE, STEPS, has_jumps
 from validation.references.model_ladder import (
     COMPUTED_BEAMS,
@@ -28,8 +26,6 @@ from validation.references.reference import (
     Interpretation,
     Reference,
     Step,
-    Steps,
-    steps_by_model,
     use,
 )
 from validation.references.reference_legs import finer_statics, solid_leg
@@ -91,13 +87,8 @@ def _reference_title(robot: RobotOnPath) -> str:
     return f"robot assembled from solid legs{legs_text}"
 
 
-def static_steps(robot: RobotOnPath, orders: Mapping[str, Sequence[str]]) -> Steps:
-    """Intermediate models between each judged model and the static reference.
-
-    The result and `orders` have the name of the judged model as key. Each intermediate model
-    removes one cause of error. `orders`: names of the steps in `all_static_steps`, from the judged
-    model to the reference.
-    """
+def static_steps(robot: RobotOnPath) -> dict[str, Step]:
+    """Steps of `all_static_steps` that exist for a robot, by name."""
     parts = robot.mechanism.parts
     steps = all_static_steps(robot.static_model, with_parts("equivalent") if parts else EQUIVALENT)
     applicable = {"drives", "shear", *part_kinds(robot.mechanism)}
@@ -107,7 +98,7 @@ def static_steps(robot: RobotOnPath, orders: Mapping[str, Sequence[str]]) -> Ste
         applicable |= set(TO_SOLIDS)
     if not any(has_jumps(leg) for leg in robot.prisms):
         applicable.discard("jumps")
-    return steps_by_model(orders, steps, applicable)
+    return {name: steps[name] for name in applicable}
 
 
 def all_static_steps(static_model: str, equivalent: Model) -> dict[str, Step]:

@@ -229,7 +229,7 @@ def of_parts(solved: SolvedQuestion) -> list[PartUncertainty]:
     mechanism = question.mechanism
     if question.model != "solid" or question.alone is not None or not mechanism.parts:
         return []
-    bounds, solids = np.zeros((solved.poses, 0)), {}
+    brackets, bounds, solids = _brackets(solved), np.zeros((solved.poses, 0)), {}
     if modes is not None:
         bodies = modes.postures[0].system.models
         solids = {name: body for name, body in bodies.items() if isinstance(body, ReducedPart)}
@@ -254,7 +254,7 @@ def of_parts(solved: SolvedQuestion) -> list[PartUncertainty]:
             counted={name: (part.counted, part.cutoff) for name, part in solids.items()},
             by=question.options.reduction,
         )
-        for of_pose, bracket, bound in zip(widths, _brackets(solved), bounds, strict=True)
+        for of_pose, bracket, bound in zip(widths, brackets, bounds, strict=True)
     ]
 
 

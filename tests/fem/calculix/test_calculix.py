@@ -29,6 +29,7 @@ from lumped.errors import ComputationError, InputError
 from lumped.legs import ConstantLeg, Material
 from lumped.mechanism.body import Rigid
 from lumped.mechanism.kinematics.postures import posture, reference_posture
+from lumped.mechanism.placing import clamped_leg
 from lumped.models.bodies import legs_of
 from lumped.robot_file import load_robot
 from lumped.sections import Rectangle
@@ -36,7 +37,6 @@ from lumped.system.assembly import assemble
 from lumped.system.response import damped_modes
 from lumped.system.solution import compliance, modes, solved
 from meshes.prism import tetrahedra
-from validation.adequacy.robot_verdicts import leg_alone
 
 
 @pytest.mark.parametrize(
@@ -256,7 +256,7 @@ def test_damped_leg_equals_calculix(tmp_path):
     deck = replace(leg_deck(solid.mesh, STEEL, MODES), load_cases=())
     frequencies, by_calculix = receptances_by_calculix(deck_text(deck), tmp_path)
     assert len(frequencies) > 40
-    alone = replace(leg_alone("leg", leg), damping=RATIO)
+    alone = replace(clamped_leg("leg", leg), damping=RATIO)
     damped = damped_modes(solved(assemble(reference_posture(alone), {"leg": reduced})), LAST)
     receptances = damped.along(np.array([0.0, 1.0, 0.0])).receptance(frequencies)
     assert np.abs(by_calculix).max() > 10.0 * np.abs(by_calculix[0])
