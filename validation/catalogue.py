@@ -22,7 +22,7 @@ from validation.maps.workspace import directions
 from validation.measured.matrix import measured_matrix
 from validation.paper.robot import is_paper_robot
 from validation.references.robot_on_path import prismatic_legs
-from validation.report.figures import curves, modes, pictures, requested
+from validation.report.figures import curves, loads_and_responses, modes, pictures
 from validation.run.outcome import Task
 from validation.solids.solid_legs import SHARED_SOLIDS
 from validation.variations.cases import cases_over
@@ -64,7 +64,7 @@ def catalogue(robot_file: RobotFile, variations: Sequence[Variation] = ()) -> Se
         *(maps() if directions(mechanism) else ()),
         *pictures.figures(),
         *modes.figures(),
-        *requested.figures(robot_file),
+        *loads_and_responses.figures(robot_file),
         *(paper.figures() if is_paper_robot(robot_file) else ()),
         *(cases_over(robot_file, variations) if variations else ()),
         *curves.figures_over(variations),

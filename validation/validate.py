@@ -50,8 +50,17 @@ _WRITE_PAUSE = 20.0
 _SECONDS_PER_EFFORT: Mapping[Preset, float] = {"quick": 0.25, "standard": 0.4, "fine": 1.5}
 # Options that the command to resume a run repeats, besides --preset and --out.
 _REPEATED_OPTIONS = (
-    *("only", "baseline", "export", "cluster", "accept", "rely", "vary", "accuracy", "inputs"),
-    *("measured", "strict"),
+    "only",
+    "baseline",
+    "export",
+    "cluster",
+    "accept",
+    "rely",
+    "vary",
+    "accuracy",
+    "inputs",
+    "measured",
+    "strict",
 )
 
 

@@ -31,11 +31,7 @@ _BLOCK, _EXCESS = 8, 40
 
 
 class StagnationError(Exception):
-    """Error: only `converged` modes converged with the allowed number of applications of T."""
-
-    def __init__(self, converged: int) -> None:
-        self.converged = converged
-        super().__init__(f"{converged} modes converged")
+    """Error: too few modes converged with the allowed number of applications of T."""
 
 
 def davidson(
@@ -71,7 +67,7 @@ def davidson(
             if errors[0] <= _RESIDUAL_BEYOND and values[0] * (1.0 - errors[0]) > last:
                 break
         if applications > limit:
-            raise StagnationError(len(squared))
+            raise StagnationError(f"{len(squared)} of {count} modes converged")
         converged = errors <= _RESIDUAL
         found = np.hstack([found, block[:, converged]])
         squared = np.append(squared, ritz_values[converged])

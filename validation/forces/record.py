@@ -353,7 +353,8 @@ def _lines(result: ForcesUnderLoad) -> list[str]:
     if result.stresses:
         lines.append("  largest von Mises stresses in their sections (beam theory):")
         for leg, stress in result.stresses.items():
-            y, z = (f"{1e3 * value:.4g}" for value in stress.point)
+            # Nanometres are round-off of a point in a section.
+            y, z = (f"{round(1e3 * value, 6) + 0.0:.4g}" for value in stress.point)
             lines.append(
                 f"{_INDENT}{leg}: {1e-6 * stress.largest:.4g} ± {1e-6 * stress.half_width:.2g} MPa "
                 f"at {stress.station:.4g} m, in y = {y} mm, z = {z} mm "

@@ -11,6 +11,9 @@ from lumped.legs import ConstantLeg
 from lumped.mechanism.mechanism import Mechanism
 from lumped.sections import SectionProperties
 
+# Relative increase from which a stiffness is stated as a multiple.
+_LARGEST_IN_PERCENT = 10.0
+
 
 def warping_text(mechanism: Mechanism) -> str:
     """Lines on each leg by its constants whose ends can prevent warping. "" if there are none."""
@@ -30,9 +33,16 @@ def _lines(mechanism: Mechanism) -> Iterator[str]:
                 )
         elif leg.ends != "free":
             yield (
-                f"{name}: would be {100.0 * held_stiffening(leg, leg.section):.3g} % stiffer in "
-                "torsion if both ends prevented warping (Iw); all models let it warp"
+                f"{name}: would be {_stiffer(held_stiffening(leg, leg.section))} in torsion if "
+                "both ends prevented warping (Iw); all models let it warp"
             )
+
+
+def _stiffer(increase: float) -> str:
+    """Relative increase of a stiffness as text: "164 % stiffer", "54.1 times as stiff"."""
+    if increase < _LARGEST_IN_PERCENT:
+        return f"{100.0 * increase:.3g} % stiffer"
+    return f"{1.0 + increase:.3g} times as stiff"
 
 
 def held_stiffening(leg: ConstantLeg, section: SectionProperties) -> float:

@@ -73,10 +73,10 @@ def solid_cost(legs: Sequence[SectionedLeg], divisions: int, modes: int) -> Cost
     return Cost(sum(sizes), memory, seconds)
 
 
-def dense_cost(unknowns: int, postures: int) -> Cost:
-    """Cost of `postures` solutions of compliance and modes with dense matrices."""
+def dense_cost(unknowns: int, legs: int) -> Cost:
+    """Cost of compliance and modes of each of several `legs`, with dense matrices."""
     n = float(unknowns)
-    seconds = postures * _DENSE_FLOPS * n**3 / _FLOPS_PER_SECOND
+    seconds = legs * _DENSE_FLOPS * n**3 / _FLOPS_PER_SECOND
     return Cost(n, 8.0 * _DENSE_COPIES * n**2, seconds)
 
 

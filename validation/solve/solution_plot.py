@@ -83,7 +83,7 @@ def loads_plot(
     x, label = abscissa
     quantities = ((DISPLACEMENT, displacements, from_zero), (FACTOR, factors, powers))
     if len(x) == 1:
-        return _marks_of_loads(quantities)
+        return _marks_of_loads({title: values for title, values, _ in quantities})
     panels = [
         Panel(
             [Series(name, x, numbers) for name, numbers in values.items()],
@@ -96,18 +96,17 @@ def loads_plot(
     return drawn_chart(Chart(panels, label, columns=2, high=2.4, x_scale=_ticks(label)))
 
 
-def _marks_of_loads(quantities: Sequence[tuple[str, Mapping[str, Array], Scale]]) -> Figure:
+def _marks_of_loads(quantities: Mapping[str, Mapping[str, Array]]) -> Figure:
     """Plot with a row for each load and a logarithmic axis for each quantity.
 
-    `quantities`: title, values by load, and a scale that only the curves of `loads_plot` use. Zero
-    and NaN have no mark.
+    `quantities`: values by load, by title of the quantity. Zero and NaN have no mark.
     """
-    names = list(quantities[0][1])
+    names = list(quantities[DISPLACEMENT])
     rows = np.arange(len(names), 0, -1)
     with plot_style():
         figure = Figure(figsize=(WIDTH, 0.7 + 0.3 * len(names)), layout="constrained")
         panels = figure.subplots(1, len(quantities), sharey=True)
-        for axes, (title, values, _) in zip(panels, quantities, strict=True):
+        for axes, (title, values) in zip(panels, quantities.items(), strict=True):
             sizes = np.array([values[name][0] for name in names])
             positive = np.isfinite(sizes) & (sizes > 0.0)
             axes.plot(sizes[positive], rows[positive], "o", color=BLUE)

@@ -94,7 +94,7 @@ def pattern_faults(tables: Tables) -> list[str]:
             for copy, number in copies.items()
             if copy in tables[table]
         ]
-        for key, among, reference in _references(tables, table, name):
+        for key, reference, among in _references(tables, table, name):
             other = patterns.get((among, reference))
             if other is None and among == "points" and pattern.misses(tables, reference):
                 faults.append(
@@ -180,14 +180,14 @@ def _coordinates(tables: Tables, point: str) -> list[float] | None:
 def _references(tables: Tables, table: str, name: str) -> Iterator[tuple[str, str, str]]:
     """References from the entry `name` of `table` to other points, bodies and joints.
 
-    Each contains the location of the reference, and the table and the name of the entry to which it
+    Each contains the location of the reference, and the name and the table of the entry to which it
     refers.
     """
     rule = rules_of(tables).keys[table].kind
     entries = {name: tables[table][name]}
     for key, kind, value in rule.within(entries, table):
         if isinstance(kind, Text) and kind.among in _COPIED:
-            yield key, kind.among, value
+            yield key, value, kind.among
 
 
 def _copied(

@@ -52,9 +52,8 @@ def test_stagnating_search_is_repeated_with_solutions(monkeypatch):
     n, count = 400, 4
     monkeypatch.setattr("fem.solvers.modes._CYCLES", 50)
     K, M = chain(n), csr_array(eye_array(n))
-    with pytest.raises(StagnationError) as stopped:
+    with pytest.raises(StagnationError, match=r"^[0-3] of 4 modes"):
         davidson(K, M, lambda block: block, noise(n), count, 100)
-    assert stopped.value.converged < count
     inverse = np.linalg.inv(K.toarray())
     modes = preconditioned_modes(K, M, lambda x: x, lambda x: inverse @ x, count, "leg")
     exact = 2.0 * np.sin(np.arange(1, count + 1) * np.pi / (2.0 * (n + 1))) / (2.0 * np.pi)

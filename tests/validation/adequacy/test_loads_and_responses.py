@@ -25,7 +25,7 @@ from validation.references.model_ladder import SOLID
 from validation.references.reference import SAY_LINEAR, Source
 from validation.references.responses import Responses
 from validation.references.robot_on_path import robot_on_path
-from validation.report.figures import requested
+from validation.report.figures import loads_and_responses
 from validation.report.table import table_of
 from validation.report.words import conditions, quantities_text
 
@@ -198,7 +198,7 @@ def test_table_shows_peaks_of_reference(arm, subject):
         quantities_text(matrix, [quantity for quantity in matrix.quantities if quantity.harmonic])
         == "responses"
     )
-    planned = {figure.id: figure for figure in requested.figures(arm)}
+    planned = {figure.id: figure for figure in loads_and_responses.figures(arm)}
     figure = planned["mechanism.response.hit"].draw(Context(arm, "quick"))
     head, *rows = figure.data.splitlines()
     columns = head.split(",")

@@ -12,7 +12,7 @@ from validation.context import Context
 from validation.measured import tested
 from validation.measured.matrix import measured_matrix
 from validation.measured.modes import with_measured_file
-from validation.report.figures.requested import figures
+from validation.report.figures.loads_and_responses import figures
 from validation.verdicts import MEASURED_RESPONSE
 
 pyuff = pytest.importorskip("pyuff")

@@ -53,6 +53,18 @@ def test_held_ends_stiffen_as_vlasov():
     assert text_of(IPE_200, ends="free") == ""
 
 
+def test_large_stiffening_is_stated_as_factor():
+    """A hundred times the warping constant: Vlasov's factor, limited by the polar moment of area.
+
+    The compliance is the sum of Vlasov's, (1 − tanh(k)/k) L/GJ, and L/GIp.
+    """
+    k = sqrt(6.98e-8 / 2.6 / 12990e-10)
+    text = text_of({**IPE_200, "Iw": 100.0 * IPE_200["Iw"]})
+    assert " times as stiff in torsion if both ends prevented warping" in text
+    factor = 1.0 / (1.0 - tanh(k) / k + 6.98 / (1943.0 + 142.4))
+    assert float(text.split()[3]) == pytest.approx(factor, rel=0.01)
+
+
 def test_constants_of_mesh_give_its_stiffening():
     """A channel by its computed constants: the same number as by its section mesh."""
     mesh = section_mesh(Channel(0.05, 0.1, 0.0085, 0.006), 4)

@@ -15,7 +15,7 @@ from validation.context import Context
 from validation.kinematics.poses import postures_of
 from validation.references.modal_reference import mass_notes
 from validation.references.responses import Responses
-from validation.report.figures import requested
+from validation.report.figures import loads_and_responses
 from validation.report.figures.adequacy import measured_curves
 from validation.responses.statics_and_modes import PathModes
 from validation.variations import curves
@@ -50,10 +50,10 @@ def test_response_band_is_at_middle_pose(robot, monkeypatch):
     modes_by_ends = {"rigid": vibration(1.0), "free": vibration(1.5)}
     budgets = [meshes(receptances=[wide * LEFT_OPEN]) for wide in (1.0, 2.0)]
     truth = reference("s", modes_by_ends, budgets)
-    monkeypatch.setattr(requested, "robot_on_path", lambda _: robot)
-    monkeypatch.setattr(requested, "solved_modes", lambda _: {"beam": vibration(2.0)})
-    monkeypatch.setattr(requested, "dynamic_reference", lambda _: truth)
-    chart = requested._response(Context(load_robot("five-bar"), "quick"), 0)
+    monkeypatch.setattr(loads_and_responses, "robot_on_path", lambda _: robot)
+    monkeypatch.setattr(loads_and_responses, "solved_modes", lambda _: {"beam": vibration(2.0)})
+    monkeypatch.setattr(loads_and_responses, "dynamic_reference", lambda _: truth)
+    chart = loads_and_responses._response(Context(load_robot("five-bar"), "quick"), 0)
     sizes = {series.label: series for series in chart.panels[0].series}
     # In µm/N, of the second pose.
     assert sizes["beam"].y == pytest.approx([20.0, 40.0])
@@ -70,10 +70,10 @@ def test_response_band_includes_all_readings(robot, monkeypatch):
     """The band covers the references for rigid and for free ends, with their half-widths."""
     modes_by_ends = {"rigid": vibration(1.0), "free": vibration(3.0)}
     truth = reference("s", modes_by_ends, [meshes(receptances=[np.full((3, 2), 0.4)])] * 2)
-    monkeypatch.setattr(requested, "robot_on_path", lambda _: robot)
-    monkeypatch.setattr(requested, "solved_modes", lambda _: {})
-    monkeypatch.setattr(requested, "dynamic_reference", lambda _: truth)
-    chart = requested._response(Context(load_robot("five-bar"), "quick"), 0)
+    monkeypatch.setattr(loads_and_responses, "robot_on_path", lambda _: robot)
+    monkeypatch.setattr(loads_and_responses, "solved_modes", lambda _: {})
+    monkeypatch.setattr(loads_and_responses, "dynamic_reference", lambda _: truth)
+    chart = loads_and_responses._response(Context(load_robot("five-bar"), "quick"), 0)
     (solid,) = chart.panels[0].series
     assert solid.interval == pytest.approx(np.array([[6.0, 12.0], [42.0, 84.0]]))
 
