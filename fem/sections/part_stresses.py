@@ -7,7 +7,10 @@ beam theory, with the constants weighted by E:
 
     σxx = E_i (N/EA + My z/EIy − Mz y/EIz)      (axes of symmetry along y and z)
 
-Otherwise parts strain each other, which adds stresses within the plane of the section.
+Otherwise parts strain each other, which adds stresses within the plane of the section. Where the
+joint of two such parts ends at a free edge, these stresses are singular as a rule (D. B. Bogy, J.
+Appl. Mech. 35 (1968) 460): they grow as r^(λ−1), λ slightly below one, without a limit. Points
+nearby are left out as beside re-entrant corners.
 """
 
 from dataclasses import dataclass
@@ -23,9 +26,13 @@ from fem.sections.stresses import (
     apart_from,
     perimeter,
     reentrant_corners,
+    rim_edges,
 )
 from lumped.arrays import Array, IntArray
 from meshes.section.section_mesh import SectionMesh
+
+# Poisson's ratios that differ by less are equal: round-off of elasticity matrices.
+_EQUAL_RATIOS = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,7 +63,8 @@ def part_stresses(mesh: SectionMesh, moduli: Moduli) -> PartStresses:
     """Stresses under unit section forces on a section `mesh` with regions.
 
     The forces act at the origin of the mesh. Parts have one material each. Points of all parts
-    count as near a re-entrant corner of one part, and near one that parts form together.
+    count as near a re-entrant corner of one part, near one that parts form together, and near a
+    free end of the joint of two parts with different Poisson's ratios.
     """
     if mesh.regions is None:
         raise ValueError("the mesh of a section of several materials must have regions")
@@ -64,7 +72,7 @@ def part_stresses(mesh: SectionMesh, moduli: Moduli) -> PartStresses:
     displacements, slopes = (
         field.reshape(-1, 3, 6) for field in (states.displacements, states.slopes)
     )
-    points, corners, distances, stresses, parts = [], [], [], [], []
+    points, corners, distances, stresses, parts, ratios = [], [], [], [], [], []
     for region in np.unique(mesh.regions):
         cells = np.flatnonzero(mesh.regions == region)
         nodes, renumbered = np.unique(mesh.cells[cells], return_inverse=True)
@@ -72,6 +80,8 @@ def part_stresses(mesh: SectionMesh, moduli: Moduli) -> PartStresses:
             mesh.nodes[nodes], renumbered.reshape(len(cells), -1), mesh.element, None
         )
         elasticity = moduli.at(cells[:1], np.zeros((1, 1, 2)))[0, 0]
+        # C₁₁ = λ + 2μ and C₁₂ = λ of an isotropic material.
+        ratios.append(elasticity[0, 1] / (elasticity[0, 0] + elasticity[0, 1]))
         strains = _strains(part, displacements[nodes], slopes[nodes])
         stresses.append(np.einsum("ij,jnf->inf", elasticity, strains))
         area = float(section_quadrature(part).weights.sum())
@@ -80,8 +90,8 @@ def part_stresses(mesh: SectionMesh, moduli: Moduli) -> PartStresses:
         points.append(part.nodes)
         parts.append(np.full(len(nodes), region))
     # Within the thinnest part, a corner between two parts leaves points that count.
-    corners.append(reentrant_corners(mesh))
-    distances.append(min(distances))
+    corners += [reentrant_corners(mesh), _free_joint_ends(mesh, np.array(ratios))]
+    distances += [min(distances)] * 2
     nodes_of_parts = np.vstack(points)
     regular = [
         apart_from(positions, nodes_of_parts, distance)
@@ -96,6 +106,22 @@ def part_stresses(mesh: SectionMesh, moduli: Moduli) -> PartStresses:
         np.stack([yy, zz, yz]),
         np.concatenate(parts),
     )
+
+
+def _free_joint_ends(mesh: SectionMesh, ratios: Array) -> Array:
+    """Nodes (e×2, in m) on the rim at which parts with different Poisson's ratios meet.
+
+    `ratios` are those of the regions, in ascending order of their numbers.
+    """
+    lowest, highest = np.full(len(mesh.nodes), np.inf), np.full(len(mesh.nodes), -np.inf)
+    for region, ratio in zip(np.unique(mesh.regions), ratios, strict=True):
+        nodes = mesh.cells[mesh.regions == region].ravel()
+        lowest[nodes], highest[nodes] = (
+            np.minimum(lowest[nodes], ratio),
+            np.maximum(highest[nodes], ratio),
+        )
+    on_rim = np.unique(rim_edges(mesh))
+    return mesh.nodes[on_rim[(highest - lowest)[on_rim] > _EQUAL_RATIOS]]
 
 
 def _strains(mesh: SectionMesh, displacements: Array, slopes: Array) -> Array:

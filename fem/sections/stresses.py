@@ -111,7 +111,7 @@ def regular_nodes(mesh: SectionMesh, distance: float) -> Array:
 
 def reentrant_corners(mesh: SectionMesh) -> Array:
     """Positions (c×2; y and z in m) of the c re-entrant corners of a section mesh."""
-    rim = _rim(mesh)
+    rim = rim_edges(mesh)
     on_rim = np.zeros(len(mesh.nodes), dtype=bool)
     on_rim[rim.ravel()] = True
     return np.asarray(mesh.nodes[on_rim & (_angles(mesh) > pi + _REENTRANT)])
@@ -130,10 +130,10 @@ def perimeter(mesh: SectionMesh) -> float:
 
     In thin walls, twice the area divided by this length is the thickness.
     """
-    return float(np.linalg.norm(np.diff(mesh.nodes[_rim(mesh)], axis=1), axis=2).sum())
+    return float(np.linalg.norm(np.diff(mesh.nodes[rim_edges(mesh)], axis=1), axis=2).sum())
 
 
-def _rim(mesh: SectionMesh) -> IntArray:
+def rim_edges(mesh: SectionMesh) -> IntArray:
     """Corner nodes (e×2) of the e edges on the boundary, each of which belongs to one cell only."""
     corners = mesh.cells[:, list(ELEMENTS[mesh.element].corner_nodes)]
     edges = np.sort(np.stack([corners, np.roll(corners, -1, axis=1)], axis=2).reshape(-1, 2))
