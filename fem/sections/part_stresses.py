@@ -72,7 +72,8 @@ def part_stresses(mesh: SectionMesh, moduli: Moduli) -> PartStresses:
     displacements, slopes = (
         field.reshape(-1, 3, 6) for field in (states.displacements, states.slopes)
     )
-    points, corners, distances, stresses, parts, ratios = [], [], [], [], [], []
+    points, corners, distances, stresses, parts = [], [], [], [], []
+    ratios = np.zeros(len(mesh.cells))
     for region in np.unique(mesh.regions):
         cells = np.flatnonzero(mesh.regions == region)
         nodes, renumbered = np.unique(mesh.cells[cells], return_inverse=True)
@@ -81,7 +82,7 @@ def part_stresses(mesh: SectionMesh, moduli: Moduli) -> PartStresses:
         )
         elasticity = moduli.at(cells[:1], np.zeros((1, 1, 2)))[0, 0]
         # C₁₁ = λ + 2μ and C₁₂ = λ of an isotropic material.
-        ratios.append(elasticity[0, 1] / (elasticity[0, 0] + elasticity[0, 1]))
+        ratios[cells] = elasticity[0, 1] / (elasticity[0, 0] + elasticity[0, 1])
         strains = _strains(part, displacements[nodes], slopes[nodes])
         stresses.append(np.einsum("ij,jnf->inf", elasticity, strains))
         area = float(section_quadrature(part).weights.sum())
@@ -90,7 +91,7 @@ def part_stresses(mesh: SectionMesh, moduli: Moduli) -> PartStresses:
         points.append(part.nodes)
         parts.append(np.full(len(nodes), region))
     # Within the thinnest part, a corner between two parts leaves points that count.
-    corners += [reentrant_corners(mesh), _free_joint_ends(mesh, np.array(ratios))]
+    corners += [reentrant_corners(mesh), _free_joint_ends(mesh, ratios)]
     distances += [min(distances)] * 2
     nodes_of_parts = np.vstack(points)
     regular = [
@@ -111,17 +112,14 @@ def part_stresses(mesh: SectionMesh, moduli: Moduli) -> PartStresses:
 def _free_joint_ends(mesh: SectionMesh, ratios: Array) -> Array:
     """Nodes (e×2, in m) on the rim at which parts with different Poisson's ratios meet.
 
-    `ratios` are those of the regions, in ascending order of their numbers.
+    `ratios` (M) are those of the cells.
     """
     lowest, highest = np.full(len(mesh.nodes), np.inf), np.full(len(mesh.nodes), -np.inf)
-    for region, ratio in zip(np.unique(mesh.regions), ratios, strict=True):
-        nodes = mesh.cells[mesh.regions == region].ravel()
-        lowest[nodes], highest[nodes] = (
-            np.minimum(lowest[nodes], ratio),
-            np.maximum(highest[nodes], ratio),
-        )
+    np.minimum.at(lowest, mesh.cells, ratios[:, None])
+    np.maximum.at(highest, mesh.cells, ratios[:, None])
     on_rim = np.unique(rim_edges(mesh))
-    return mesh.nodes[on_rim[(highest - lowest)[on_rim] > _EQUAL_RATIOS]]
+    unequal = highest[on_rim] - lowest[on_rim] > _EQUAL_RATIOS
+    return np.asarray(mesh.nodes[on_rim[unequal]])
 
 
 def _strains(mesh: SectionMesh, displacements: Array, slopes: Array) -> Array:
