@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from lumped.arrays import Array
-from lumped.centre_line import CentreLine, LinePiece
+from lumped.centre_line import straight_line
 from lumped.line_sections import FIELDS, FURTHER, LineSections
 from lumped.screws import move_compliance
 from lumped.tapers import NODES
@@ -187,7 +187,6 @@ def prism_sections(properties: BeamProperties, length: float) -> LineSections:
 
     The sections have the given `properties`, whose centre of mass must be the centroid.
     """
-    line = CentreLine((LinePiece((0.0, 0.0, 0.0), (length, 0.0, 0.0)),), (0.0, 0.0, 1.0))
     constants = [*(getattr(properties, name) for name in FIELDS), *[0.0] * len(FURTHER)]
     values = np.tile(constants, (1, len(NODES), 1))
-    return LineSections(line, np.array([0.0, length]), values)
+    return LineSections(straight_line(length), np.array([0.0, length]), values)

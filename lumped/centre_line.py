@@ -92,6 +92,11 @@ class LinePiece:
         return axis * (angle / self.length)
 
 
+def straight_line(length: float) -> "CentreLine":
+    """Centre line of a straight leg of `length` (m): the x axis."""
+    return CentreLine((LinePiece((0.0, 0.0, 0.0), (length, 0.0, 0.0)),), (0.0, 0.0, 1.0))
+
+
 @dataclass(frozen=True)
 class CentreLine:
     """Centre line of a leg (m, leg axes), and the direction `up` for the z axes of its sections."""
@@ -159,6 +164,21 @@ class CentreLine:
         normal = before[:, 0] + after[:, 0]
         first, second = (-(normal @ axes)[1:] / (normal @ axes)[0] for axes in (before, after))
         return first, second
+
+    @property
+    def run_ends(self) -> Array:
+        """Positions (r+1, in m along the line) of the ends of the r parts between corners."""
+        return np.array([0.0, *self.corners, self.length])
+
+    def pieces_in_runs(self, positions: Array, runs: IntArray) -> IntArray:
+        """Index of the piece at each of n `positions` (m along the line).
+
+        `runs` (n) are the indices of the parts between corners to which the positions belong. They
+        select the side of a corner.
+        """
+        firsts = np.array([0, *self.turns])
+        lasts = np.append(firsts[1:], len(self.pieces)) - 1
+        return np.clip(self.piece_at(positions), firsts[runs], lasts[runs])
 
     @property
     def smallest_radius(self) -> float:

@@ -13,7 +13,7 @@ import numpy as np
 
 from lumped.arrays import Array
 from lumped.beam_properties import BeamProperties, tip_compliance
-from lumped.centre_line import CentreLine
+from lumped.centre_line import CentreLine, straight_line
 from lumped.errors import ComputationError
 from lumped.line_sections import FIELDS, TOGETHER, LineSections
 from lumped.memo import memo
@@ -356,6 +356,11 @@ Leg: TypeAlias = GivenLeg | SectionedLeg
 def is_bent(leg: Leg) -> bool:
     """True if the centre line of a leg is not straight."""
     return isinstance(leg, LineLeg) and not leg.line.is_straight
+
+
+def centre_line(leg: Leg) -> CentreLine:
+    """Centre line of a leg."""
+    return leg.line if isinstance(leg, LineLeg) else straight_line(float(leg.length))
 
 
 def line_length(leg: Leg) -> float:

@@ -4,6 +4,11 @@
     τ = T τ_T + Qy τ_y + Qz τ_z        (Saint-Venant's torsion and flexure)
     σ_v = √(σxx² + 3 (τxy² + τxz²))
 
+In an arc with the curvature (ky, kz) of its line, the length of the fibre at s is that of the line
+times 1 − ξ with ξ = ky y + kz z. The strain of fibres is then hyperbolic (Winkler):
+
+    σxx = p·P⁻¹(N, My, Mz)/(1 − ξ),   p = (1, z, −y),   P = ∫ p pᵀ/(1 − ξ) dA
+
 The shear stresses of Qy and Qz have no moment about the centroid. In walls they are Jourawski's
 QS/(It), in stout sections they vary across the wall. Stresses of restrained warping at end faces
 and local stresses at joints are not included. The shear stress at a sharp re-entrant corner is
@@ -12,14 +17,15 @@ such a corner than half the mean thickness of the walls are therefore excluded f
 stress.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import pi
 
 import numpy as np
 
-from fem.sections.saint_venant import saint_venant
+from fem.sections.saint_venant import saint_venant, section_quadrature
 from fem.sections.section_constants import poisson_shear_ratio
 from lumped.arrays import Array, IntArray
+from lumped.errors import ComputationError
 from lumped.legs import Material
 from lumped.memo import memo
 from meshes.elements import ELEMENTS
@@ -80,6 +86,31 @@ def section_stresses(mesh: SectionMesh, material: Material) -> SectionStresses:
     normal[:, 4], normal[:, 5] = about_y @ places, about_z @ places
     regular = regular_nodes(mesh, solution.area / perimeter(mesh))
     return SectionStresses(mesh.nodes, normal, shear, regular)
+
+
+def curved_stresses(
+    mesh: SectionMesh, material: Material, curvature: tuple[float, float]
+) -> SectionStresses:
+    """Stresses under unit section forces on a section `mesh` of an arc, by Winkler's theory.
+
+    `curvature` (1/m) are the components of the line's curvature along the section's axes y and z.
+    Shear stresses are those of a straight leg. Raises ComputationError if the centre of the arc
+    lies in the section.
+    """
+    straight = section_stresses(mesh, material)
+    if not any(curvature):
+        return straight
+    quad = section_quadrature(mesh)
+    points = quad.points
+    nodes = mesh.nodes.T - quad.centroid[:, None]
+    lengths, lengths_at_nodes = (1.0 - np.tensordot(curvature, s, axes=1) for s in (points, nodes))
+    if not (lengths_at_nodes > 0.0).all():
+        raise ComputationError("section of an arc: the centre of the arc lies in the section")
+    states, states_at_nodes = (np.stack([np.ones_like(s[0]), s[1], -s[0]]) for s in (points, nodes))
+    matrix = quad.integral(states[:, None] * states / lengths)
+    normal = straight.normal.copy()
+    normal[:, [0, 4, 5]] = (np.linalg.solve(matrix, states_at_nodes) / lengths_at_nodes).T
+    return replace(straight, normal=normal)
 
 
 class NodalGradient:

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Protocol
 
 import numpy as np
 
@@ -11,6 +12,24 @@ from lumped.mechanism.body import Selection
 # Components of the resultant of a pressure below this share of pressure times area are round-off:
 # forces in N, moments in N m with a lever of 1 m.
 _ROUND_OFF = 1e-9
+
+
+class DistributedLoad(Protocol):
+    """A load along a leg between two positions `start` and `stop` (m along its line)."""
+
+    @property
+    def start(self) -> float:
+        """Position (m along the line) at which the load begins."""
+        ...
+
+    @property
+    def stop(self) -> float:
+        """Position (m along the line) at which the load ends."""
+        ...
+
+    def per_length(self, stations: Array) -> Array:
+        """Forces and moments per length (s×6, leg axes) at s `stations` (m) on the line."""
+        ...
 
 
 @dataclass(frozen=True, eq=False)
@@ -165,14 +184,14 @@ class Loading:
     `point_wrenches` act at points. `body_wrenches` represent gravity, inertia forces, loads along
     legs and pressures by wrenches on the interfaces of the bodies. `rotor_forces` are forces (N) or
     moments (N m) on the rotors of drives along the coordinates of their joints, by joint name.
-    `line_loads` contains, by name of the leg, the distributed loads along straight legs that
-    `body_wrenches` represent (leg axes). Section forces are computed for straight legs only.
+    `line_loads` contains, by name of the leg, the distributed loads along legs that
+    `body_wrenches` represent (leg axes).
     """
 
     point_wrenches: Sequence[AppliedWrench]
     body_wrenches: Sequence[AppliedWrench] = ()
     rotor_forces: Mapping[str, float] = field(default_factory=dict)
-    line_loads: Mapping[str, Sequence[LineLoad]] = field(default_factory=dict)
+    line_loads: Mapping[str, Sequence[DistributedLoad]] = field(default_factory=dict)
 
     @property
     def wrenches(self) -> list[AppliedWrench]:

@@ -19,7 +19,7 @@ from lumped.arrays import Array
 from lumped.beam_properties import prism_sections
 from lumped.equivalent_leg import equivalent_leg
 from lumped.errors import ComputationError, InputError
-from lumped.legs import ConstantLeg, GivenLeg, Leg, LineLeg, NoBeamTheoryError, is_bent
+from lumped.legs import ConstantLeg, GivenLeg, Leg, LineLeg, NoBeamTheoryError
 from lumped.line_sections import LineSections
 from lumped.mechanism.body import Rigid
 from lumped.mechanism.free_twists import drive_in, free_twists, interface_position
@@ -29,6 +29,7 @@ from lumped.mechanism.kinematics.postures import shown_pose
 from lumped.mechanism.load import (
     AppliedLine,
     AppliedWrench,
+    DistributedLoad,
     InterfaceLoads,
     LineLoad,
     Load,
@@ -39,7 +40,7 @@ from lumped.model_choices import Theory
 from lumped.screws import shift, skew, turn
 from lumped.system.assembly import System, rigid_mass
 from lumped.system.joint_motion import Portion
-from lumped.system.line_loads import end_wrenches, inertia_load, linear_load
+from lumped.system.line_loads import InertiaLoad, end_wrenches, inertia_load, linear_load
 from lumped.system.solution import Solved, with_idle
 
 
@@ -60,11 +61,10 @@ def loading(
     load_position = interface_position(posture, Side(load.body, load.point))
     point_wrenches = [AppliedWrench(load.body, load.point, load_position, _wrench(posture, load))]
     body_wrenches: list[AppliedWrench] = []
-    line_loads: dict[str, list[LineLoad]] = {}
+    line_loads: dict[str, list[DistributedLoad]] = {}
     for line in load.lines:
         along = _along_leg(posture, line)
-        if not is_bent(_loaded_leg(mechanism, line.leg)):
-            line_loads.setdefault(line.leg, []).append(along)
+        line_loads.setdefault(line.leg, []).append(along)
         wrenches = _line_wrenches(mechanism, line.leg, along, bodies, theory)
         body_wrenches += _on_interfaces(posture, line.leg, wrenches)
     for on_faces in load.pressures:
@@ -87,7 +87,7 @@ def loading(
         axes = turn(frame.rotation)
         motion = _in_axes(frame.rotation, motions[name], load.gravity)
         in_body_axes = _inertia(mass, points, motion).reshape(-1, 6)
-        if isinstance(body.shape, ConstantLeg | GivenLeg | LineLeg) and not is_bent(body.shape):
+        if isinstance(body.shape, ConstantLeg | GivenLeg | LineLeg):
             line_load = _line_load(body.shape, in_body_axes, motion)
             line_loads.setdefault(name, []).append(line_load)
         wrenches = in_body_axes @ axes.T
@@ -171,14 +171,16 @@ def _on_interfaces(posture: Posture, name: str, wrenches: Array) -> list[Applied
     ]
 
 
-def _line_load(leg: Leg, at_ends: Array, motion: Motion) -> LineLoad:
+def _line_load(leg: Leg, at_ends: Array, motion: Motion) -> DistributedLoad:
     """Load along a leg due to inertia and gravity, for a leg that moves as a rigid body.
 
-    `motion` is its motion in leg axes, minus the acceleration of gravity. The load is exact for a
-    prism. For other legs it varies linearly and has the resultant of the wrenches `at_ends` (2×6,
-    leg axes).
+    `motion` is its motion in leg axes, minus the acceleration of gravity. The load is exact for
+    legs with sections. For a leg known by its 6×6 it varies linearly and has the resultant of the
+    wrenches `at_ends` (2×6, leg axes).
     """
-    if not isinstance(leg, ConstantLeg):
+    if isinstance(leg, LineLeg):
+        return InertiaLoad(_sections(leg, "timoshenko"), motion)
+    if isinstance(leg, GivenLeg):
         return linear_load(at_ends[0], at_ends[1], leg.length)
     try:
         properties = leg.timoshenko

@@ -1,28 +1,31 @@
 """Forces and moments in the sections of the legs of a loaded mechanism (member forces).
 
-The forces in the section at x are those that the part of the leg beyond x exerts on the part before
-x. They follow from the equilibrium of the part before x and do not depend on the leg's stiffness. N
-is the component along x, positive in tension. Qy and Qz are shear forces. T, My and Mz are the
-moments about the leg's axes.
+The forces in a section are those that the part of the leg beyond it exerts on the part before it.
+They follow from the equilibrium of the part before it and do not depend on the leg's stiffness. N
+is the component along the leg's centre line, positive in tension. Qy and Qz are shear forces. T, My
+and Mz are the moments about the axes of the section, which follow the line: x along the tangent, z
+as close to one direction as possible. In a straight leg they are the leg's axes.
 """
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
-from lumped.arrays import Array, distinct
-from lumped.legs import LineLeg
+from lumped.arrays import Array, IntArray, distinct
+from lumped.centre_line import CentreLine
+from lumped.legs import Leg, LineLeg, NoBeamTheoryError, centre_line
 from lumped.mechanism.free_twists import interface_position
 from lumped.mechanism.joint import Side
-from lumped.mechanism.load import LineLoad, Loading
+from lumped.mechanism.load import DistributedLoad, Loading
 from lumped.mechanism.mechanism import Posture
 from lumped.screws import shift, turn
-from lumped.system.line_loads import linear_load
+from lumped.system.line_loads import linear_load, section_wrenches, spread_load
 from lumped.system.reactions import InternalForces
 
-# Number of equally spaced stations along a leg.
-_STATIONS = 21
+# Number of equal intervals between stations along a leg, and the fewest between two corners.
+_INTERVALS, _FEWEST = 20, 3
 # Fraction of the length of the mechanism, or of a unit wrench, below which a component is zero.
 _ROUNDING = 1e-9
 
@@ -31,21 +34,24 @@ _ROUNDING = 1e-9
 class MemberForces:
     """Forces and moments in s sections of a leg.
 
-    `forces` (s×6) are N, Qy, Qz, T, My and Mz (N and N m, leg axes). Components that statics does
-    not determine are NaN. `stations` (s, in m) are the distances of the sections from the root.
-    `half_width` (6) is the half-width of the numerical uncertainty of each component.
+    `forces` (s×6) are N, Qy, Qz, T, My and Mz (N and N m, axes of the sections). Components that
+    statics does not determine are NaN. `stations` (s, in m) are the distances of the sections from
+    the root along the centre line. `half_width` (6) is the half-width of the numerical uncertainty
+    of each component. `runs` (s) are the indices of the parts of the line between corners to which
+    the sections belong. At a corner there are two sections with one station, one on each side.
     """
 
     leg: str
     stations: Array
     forces: Array
     half_width: Array
+    runs: IntArray
 
 
 def member_forces(
-    posture: Posture, name: str, forces: InternalForces, load: Loading
+    posture: Posture, name: str, leg: Leg, forces: InternalForces, load: Loading
 ) -> MemberForces:
-    """Forces and moments in the sections of the leg `name` under a load.
+    """Forces and moments in the sections of the `leg` with the name `name` under a load.
 
     The stations include the ends of loads along the leg, steps and corners of the leg, and the
     zeros of both shear forces, where bending moments have their extremes. The loads along the leg
@@ -54,47 +60,86 @@ def member_forces(
     half-width.
     """
     root, tip = posture.mechanism.bodies[name].interfaces
-    length = float(posture.mechanism.bodies[name].interfaces[tip].position[0])
+    line = centre_line(leg)
     loads = list(load.line_loads.get(name, ()))
     if name in forces.bodies and (inertia := forces.bodies[name].inertia).any():
-        loads.append(linear_load(-inertia[:6], -inertia[6:], length))
+        loads.append(_distributed(leg, -inertia))
     at_root, at_tip = (_end_wrench(posture, name, point, forces, load) for point in (root, tip))
-    shape = posture.mechanism.bodies[name].shape
-    spans = shape.spans if isinstance(shape, LineLeg) else ()
+    tip_axes = turn(line.frames(np.array([line.length]))[1][0])
+    spans = leg.spans if isinstance(leg, LineLeg) else ()
     ends = [end for part in loads for end in (part.start, part.stop)]
     ends += [end for span in spans for end in (span.start, span.end)]
-    stations = distinct(np.union1d(np.linspace(0.0, length, _STATIONS), ends), _ROUNDING * length)
-    coarse = section_forces(at_root[:, 0], loads, stations)
-    zeros = list(_zeros(stations, coarse[:, 1:3]))
-    stations = distinct(np.union1d(stations, zeros), _ROUNDING * length)
-    values = section_forces(at_root[:, 0], loads, stations)
-    missing = at_tip[:, 0] - values[-1]
-    values += missing * (stations / length)[:, None]
+    stations, runs = _equal_stations(line, np.array(ends))
+    coarse = _section_forces(line, at_root[:, 0], loads, stations, runs)
+    stations, runs = _with_zeros(line, stations, runs, coarse[:, 1:3])
+    values = _section_forces(line, at_root[:, 0], loads, stations, runs)
+    missing = at_tip[:, 0] - tip_axes @ values[-1]
+    axes = line.frames(stations, line.pieces_in_runs(stations, runs))[1]
+    added = missing @ turn(axes)
+    values += added * (stations / line.length)[:, None]
     for free in at_root[:, 1:].T:
-        open_forces = np.abs(section_forces(free, (), stations)) > _ROUNDING
+        open_forces = np.abs(_section_forces(line, free, (), stations, runs)) > _ROUNDING
         values[open_forces] = np.nan
     rounding = max((joint.rounding for joint in forces.joints), default=0.0)
-    return MemberForces(
-        name, stations, values, np.abs(missing) + rounding * np.repeat([1.0, length], 3)
-    )
+    half_width = np.abs(added).max(axis=0) + rounding * np.repeat([1.0, line.length], 3)
+    return MemberForces(name, stations, values, half_width, runs)
 
 
-def section_forces(root: Array, loads: Sequence[LineLoad], stations: Array) -> Array:
-    """Forces and moments (s×6: N, Qy, Qz, T, My, Mz) in the sections at s `stations` (m) of a leg.
+def _distributed(leg: Leg, at_ends: Array) -> DistributedLoad:
+    """Load along a leg from the wrenches `at_ends` (12, leg axes) on its root and tip."""
+    if not isinstance(leg, LineLeg):
+        return linear_load(at_ends[:6], at_ends[6:], leg.length)
+    try:
+        return spread_load(leg.sections("timoshenko"), at_ends)
+    except NoBeamTheoryError:
+        return spread_load(leg.sections("euler-bernoulli"), at_ends)
 
-    `root` (6, leg axes) is the wrench on the root of the leg. `loads` are the loads along it.
+
+def _section_forces(
+    line: CentreLine,
+    root: Array,
+    loads: Sequence[DistributedLoad],
+    stations: Array,
+    runs: IntArray,
+) -> Array:
+    """Forces and moments (s×6: N, Qy, Qz, T, My, Mz) in the sections at s `stations` (m).
+
+    `root` (6, leg axes) is the wrench on the root of the leg, `loads` are the loads along it.
+    `runs` (s) are the parts of the line between corners to which the stations belong.
     """
-    x = stations[:, None]
-    total, lever = np.zeros((len(x), 6)), np.zeros((len(x), 3))
-    for load in loads:
-        inside = np.clip(x - load.start, 0.0, load.stop - load.start)
-        slope = (load.last - load.first) / (load.stop - load.start)
-        resultant = load.first * inside + slope * inside**2 / 2.0
-        moment = load.first * inside**2 / 2.0 + slope * inside**3 / 3.0
-        total += resultant
-        lever += ((x - load.start) * resultant - moment)[:, :3]
-    moments = -root[3:] - total[:, 3:] + np.cross([1.0, 0.0, 0.0], root[:3] * x + lever)
-    return np.hstack([-root[:3] - total[:, :3], moments])
+    points, axes = line.frames(stations, line.pieces_in_runs(stations, runs))
+    wrenches = section_wrenches(line, root, loads, stations, points)
+    return np.asarray(np.einsum("sji,sj->si", turn(axes), wrenches))
+
+
+def _equal_stations(line: CentreLine, ends: Array) -> tuple[Array, IntArray]:
+    """Equally spaced stations (s, in m) along a line with `ends` added, and their runs (s).
+
+    Each run, a part of the line between corners, has stations at both of its ends.
+    """
+    slack = _ROUNDING * line.length
+    stations = []
+    for start, stop in pairwise(line.run_ends.tolist()):
+        count = max(int(np.ceil(_INTERVALS * (stop - start) / line.length - _ROUNDING)), _FEWEST)
+        inside = ends[(ends > start - slack) & (ends < stop + slack)]
+        equal = np.linspace(start, stop, count + 1)
+        stations.append(distinct(np.union1d(equal, np.clip(inside, start, stop)), slack))
+    runs = np.repeat(np.arange(len(stations)), [len(part) for part in stations])
+    return np.concatenate(stations), runs
+
+
+def _with_zeros(
+    line: CentreLine, stations: Array, runs: IntArray, shear: Array
+) -> tuple[Array, IntArray]:
+    """Stations (m) and their runs, with the zeros of the shear forces (s×2) added in each run."""
+    all_stations = []
+    for run in np.unique(runs):
+        in_run = runs == run
+        zeros = list(_zeros(stations[in_run], shear[in_run]))
+        union = np.union1d(stations[in_run], zeros)
+        all_stations.append(distinct(union, _ROUNDING * line.length))
+    all_runs = np.repeat(np.arange(len(all_stations)), [len(part) for part in all_stations])
+    return np.concatenate(all_stations), all_runs
 
 
 def _end_wrench(

@@ -16,10 +16,9 @@ import numpy as np
 
 from lumped.arrays import Array
 from lumped.errors import InputError
-from lumped.legs import ConstantLeg, LineLeg, is_bent
+from lumped.legs import ConstantLeg, LineLeg
 from lumped.mechanism.kinematics.postures import shown_pose
 from lumped.mechanism.mechanism import UNITS_OF_MOVES, Mechanism, Posture
-from lumped.models.bodies import legs_of
 from lumped.robot_file import RobotFile
 from lumped.system.members import MemberForces
 from validation.context import Context
@@ -175,11 +174,7 @@ def _under_load(mechanism: Mechanism, result: LoadForces, widths: Array) -> Forc
         for member, width in zip(result.members, widths[count:], strict=True)
     )
     stresses = {}
-    without = {
-        name: "the leg is bent; section forces are computed for straight legs only"
-        for name, leg in legs_of(mechanism).items()
-        if is_bent(leg)
-    }
+    without = {}
     for member in members:
         shape = mechanism.bodies[member.leg].shape
         reason = reason_without_stress(shape)
@@ -281,14 +276,19 @@ def _changes_under_load(result: LoadForces, first: LoadForces, second: LoadForce
         for one, other in zip(first.reactions, second.reactions, strict=True)
     ]
     changes += [
-        np.abs(_forces_at(stations, one) - _forces_at(stations, other)).max(axis=0)
+        np.abs(_forces_at(member, one) - _forces_at(member, other)).max(axis=0)
         for member, one, other in zip(result.members, first.members, second.members, strict=True)
-        for stations in [member.stations]
     ]
     return np.asarray(np.nan_to_num(np.reshape(changes, (-1, 6))))
 
 
-def _forces_at(stations: Array, member: MemberForces) -> Array:
-    """Forces and moments (s×6) of a leg at s stations along it."""
-    columns = [np.interp(stations, member.stations, column) for column in member.forces.T]
-    return np.asarray(np.column_stack(columns))
+def _forces_at(member: MemberForces, solution: MemberForces) -> Array:
+    """Forces and moments (s×6) of a leg by `solution`, at the s sections of `member`."""
+    forces = np.empty_like(member.forces)
+    for run in np.unique(member.runs):
+        rows, known = member.runs == run, solution.runs == run
+        for column, values in enumerate(solution.forces[known].T):
+            forces[rows, column] = np.interp(
+                member.stations[rows], solution.stations[known], values
+            )
+    return forces

@@ -38,8 +38,9 @@ class Forces:
 
     A reaction is the wrench (N, N m) that a joint exerts on its second body. It refers to the
     joint's point on its first body and to joint axes: x along the joint's axis. Member forces act
-    in a section of a leg, on the part between the section and the root, in leg axes. All forces
-    have half-widths of their numerical uncertainty.
+    in a section of a leg, on the part between the section and the root, in the axes of the section:
+    x along the leg's line. At a corner both sides have a row, with one station. All forces have
+    half-widths of their numerical uncertainty.
 
     Examples
     --------
@@ -343,7 +344,7 @@ def _lines(result: ForcesUnderLoad) -> list[str]:
     ]
     lines.append(aligned(headings, rows, _INDENT))
     if result.members:
-        lines.append("  legs, largest magnitudes along them, leg axes (x along the leg):")
+        lines.append("  legs, largest magnitudes along them, section axes (x along the leg):")
         headings = ["leg", *_with_units(SECTION_FORCES)]
         rows = [
             [member.leg, *_texts(np.abs(member.forces).max(axis=0), scale)]

@@ -121,7 +121,9 @@ def solid_stresses(
             on_faces = pressures.get(name, {})
             fine, coarse = (_part(body, level, on_faces) for level in (FINEST, FINEST - 1))
         else:
-            raise InputError(f"--vtu: {name} has no stress field, its section varies along it")
+            raise InputError(
+                f"--vtu: {name} has no stress field, its section varies along it or it is bent"
+            )
         fields[name] = _field(posture, body, (fine, coarse), of_body, in_body)
     return fields
 

@@ -6,12 +6,21 @@ of the uncertainty of a stress is the change from a coarse to a fine section mes
 order of convergence, plus the effect of the half-widths of the forces. In a taper each station has
 its own section, which is sheared by the forces Qy + λy Mz and Qz − λz My, where λ is the rate of
 change of the lever arm (`lumped.line_sections`). The half-widths of these forces contain |λ| times
-those of the moments. At a step both sections are judged. In a taper the
-largest stress is also searched for between the decisive station and its neighbours.
+those of the moments.
+
+On an arc normal stresses are those of Winkler's curved bar, and shear stresses are those of a
+straight leg. The half-width covers a relative change of shear stresses by the height of the section
+over the radius, of which Göhner's series for a round bar in torsion has 5/8. Walls of hollow
+sections and flanges on an arc of radius R are pressed across by their normal stress σ. They bend,
+with stresses of at most 3σc²/Rt (flanges of thickness t that project by c, Bleich). This is added
+to the half-width. Where it exceeds σ, as in elbows of pipes, stresses are not known.
+
+At a step, a corner and where an arc begins, the sections on both sides are judged. In a taper and
+on an arc the largest stress is also searched for between the decisive station and its neighbours.
 """
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
@@ -19,13 +28,16 @@ import scipy.optimize
 
 from fem.sections.moduli import part_materials, part_moduli
 from fem.sections.part_stresses import PartStresses, part_stresses
-from fem.sections.stresses import SectionStresses, section_stresses
+from fem.sections.stresses import SectionStresses, curved_stresses
 from lumped.arrays import Array
+from lumped.centre_line import CentreLine
 from lumped.legs import ConstantLeg, LineLeg, SectionedLeg, Span
 from lumped.line_sections import TOGETHER
 from lumped.mechanism.body import Shape
 from lumped.memo import memo
-from lumped.sections import Composite, Section
+from lumped.screws import rotation_vector
+from lumped.sections import Composite, HollowRectangle, Section, Tube
+from lumped.sections.shapes import WalledProfile
 from lumped.system.members import MemberForces
 from meshes.section.section_mesh import section_mesh
 from validation.uncertainty.half_widths import MeshPolicy
@@ -45,8 +57,9 @@ _WITHOUT_MESH = "the section of the leg has no mesh of isotropic materials"
 class MemberStress:
     """Largest von Mises stress of a leg (Pa) with its `half_width` (Pa) and its position.
 
-    The stress acts at the distance `station` (m) from the root, in the `point` (y, z) of the
-    section (m, from its centroid). In a taper this distance may lie between two of the `stations`.
+    The stress acts at the distance `station` (m) from the root along the line, in the `point`
+    (y, z) of the section (m, from its centroid). In a taper and on an arc this distance may lie
+    between two of the `stations`.
     `normal` is the normal stress σxx and `shear` the shear stress (Pa) at the point. `along` (s,
     Pa): largest stress in each of the s sections at `stations` (s, m). The half-width covers the
     mesh of the section and the half-widths of the section forces. `parts` are the largest stresses
@@ -79,7 +92,7 @@ def reason_without_stress(shape: Shape) -> str:
 
 
 def member_stress(leg: SectionedLeg, member: MemberForces) -> MemberStress | None:
-    """Largest von Mises stress of a straight leg.
+    """Largest von Mises stress of a leg.
 
     None if its section forces are statically indeterminate.
     """
@@ -100,20 +113,24 @@ def member_stress(leg: SectionedLeg, member: MemberForces) -> MemberStress | Non
         stress = loaded_there.largest_stress(leg)
         if stress > largest:
             largest, station, loaded = stress, peak, loaded_there
-    section, forces = loaded.section, loaded.forces
-    fine = _stresses(leg, section)
+    forces = loaded.forces
+    fine = loaded.stresses(leg, _DIVISIONS[1])
     node = int(np.argmax(np.where(fine.regular, fine.von_mises(forces[None])[0], 0.0)))
-    coarse = _stresses_on(leg, section, _DIVISIONS[0])
+    coarse = loaded.stresses(leg, _DIVISIONS[0])
     policy = MeshPolicy.of_order(2.0, _SMOOTH if fine.regular.all() else _STEEP)
     # The von Mises stress is a norm: it changes by at most that of the stresses due to the change
     # of the forces.
     of_forces = fine.von_mises(np.diag(loaded.half_width))[:, fine.regular].sum(axis=0).max()
+    height = float(np.ptp(fine.points @ loaded.curvature))
+    of_curvature = _largest(replace(fine, shear=(1.0 + height) * fine.shear), forces) - largest
     y, z = fine.points[node]
+    bent_walls = 3.0 * _wall_ratio(loaded.section) * float(np.linalg.norm(loaded.curvature))
+    of_curvature += bent_walls * float(np.abs(fine.normal @ forces).max())
     parts = fine.largest_by_part(forces) if isinstance(fine, PartStresses) else np.zeros(0)
     return MemberStress(
         member.leg,
         largest,
-        policy.half_width(largest - _largest(coarse, forces)) + float(of_forces),
+        policy.half_width(largest - _largest(coarse, forces)) + float(of_forces + of_curvature),
         station,
         (float(y), float(z)),
         float(fine.normal[node] @ forces),
@@ -124,64 +141,106 @@ def member_stress(leg: SectionedLeg, member: MemberForces) -> MemberStress | Non
     )
 
 
+def _wall_ratio(section: Section) -> float:
+    """Square of half the larger side of a section, over its wall thickness (m).
+
+    Zero for a section without walls.
+    """
+    half = 0.5 * max(section.extent)
+    if isinstance(section, HollowRectangle | Tube):
+        return half**2 / section.thickness
+    if isinstance(section, WalledProfile):
+        return half**2 / min(section.flange, section.web)
+    return 0.0
+
+
 @dataclass(frozen=True, eq=False)
 class _LoadedSection:
     """A section, and the forces (6: N, Qy, Qz, T, My, Mz) that stress it, with their half-widths.
 
     In a taper, the shear forces are replaced by Qy + λy Mz and Qz − λz My, see the module.
+    `curvature` (1/m) are the components of the line's curvature along the section's axes y and z.
     """
 
     section: Section
     forces: Array
     half_width: Array
+    curvature: tuple[float, float] = (0.0, 0.0)
 
     def largest_stress(self, leg: SectionedLeg) -> float:
         """Largest von Mises stress (Pa) in the section of `leg`."""
-        return _largest(_stresses(leg, self.section), self.forces)
+        return _largest(self.stresses(leg, _DIVISIONS[1]), self.forces)
+
+    def stresses(self, leg: SectionedLeg, divisions: int) -> SectionStresses:
+        """Stresses under unit section forces on a mesh with `divisions` across the section."""
+        if isinstance(leg, ConstantLeg) and isinstance(self.section, Composite):
+            return _composite_stresses(leg, divisions)
+        mesh = section_mesh(self.section, divisions)
+        return curved_stresses(mesh, leg.material, self.curvature)
 
 
 def _loaded_sections(
     leg: SectionedLeg, member: MemberForces
 ) -> Iterator[tuple[int, _LoadedSection]]:
-    """Yield the index of a station, and the loaded section there: two of them at a step."""
+    """Yield the index of a station, and the loaded section there.
+
+    There are two of them at a step and where the curvature jumps. Each side of a corner has a
+    station of its own.
+    """
     width = member.half_width
     if isinstance(leg, ConstantLeg):
         for row, forces in enumerate(member.forces):
             yield row, _LoadedSection(leg.section, forces, width)
         return
     slack = TOGETHER * leg.line.length
+    middles = [0.5 * (span.start + span.end) for span in leg.spans]
+    runs_of_spans = np.searchsorted(leg.line.corners, middles)
     for row, (station, forces) in enumerate(zip(member.stations, member.forces, strict=True)):
-        for span in leg.spans:
-            if span.start - slack <= station <= span.end + slack:
-                yield row, _in_span(span, float(station), forces, width)
+        for span, run in zip(leg.spans, runs_of_spans, strict=True):
+            inside = span.start - slack <= station <= span.end + slack
+            if inside and run == member.runs[row]:
+                yield row, _in_span(leg.line, span, float(station), forces, width)
 
 
-def _in_span(span: Span, station: float, forces: Array, half_width: Array) -> _LoadedSection:
+def _in_span(
+    line: CentreLine, span: Span, station: float, forces: Array, half_width: Array
+) -> _LoadedSection:
+    piece = line.piece_at(np.array([0.5 * (span.start + span.end)]))
+    _, axes = line.frames(np.array([station]), piece)
+    curvature_y, curvature_z = line.curvatures(axes, piece)[0].tolist()
     share = float(np.clip((station - span.start) / (span.end - span.start), 0.0, 1.0))
     rate_y, rate_z = span.taper_rates(np.array([share]))[0]
     shearing = np.eye(6)
     shearing[1, 5], shearing[2, 4] = rate_y, -rate_z
-    return _LoadedSection(span.section(share), shearing @ forces, np.abs(shearing) @ half_width)
+    widths = np.abs(shearing) @ half_width
+    curvature = curvature_y, curvature_z
+    return _LoadedSection(span.section(share), shearing @ forces, widths, curvature)
 
 
 def _peaks_beside(
     leg: SectionedLeg, member: MemberForces, row: int
 ) -> Iterator[tuple[float, _LoadedSection]]:
-    """Yield peaks of the stress in tapers between the station `row` and its neighbours.
+    """Yield peaks of the stress in tapers and arcs between the station `row` and its neighbours.
 
     A peak is given by its station (m) and the loaded section there.
     """
-    spans = () if isinstance(leg, ConstantLeg) else leg.spans
+    if isinstance(leg, ConstantLeg):
+        return
+    line = leg.line
     start = float(member.stations[row])
     for neighbour in (row - 1, row + 1):
-        if not 0 <= neighbour < len(member.stations):
+        if not 0 <= neighbour < len(member.stations) or member.runs[neighbour] != member.runs[row]:
             continue
         pair = sorted((row, neighbour))
         low, high = member.stations[pair].tolist()
-        span = next((s for s in spans if s.start <= (low + high) / 2.0 <= s.end), None)
-        if span is None or span.first == span.last:
+        span = next((s for s in leg.spans if s.start <= (low + high) / 2.0 <= s.end), None)
+        if span is None:
             continue
-        at = partial(_between, span, member.stations[pair], member.forces[pair], member.half_width)
+        (piece,) = line.piece_at(np.array([0.5 * (low + high)]))
+        if span.first == span.last and not line.pieces[piece].turning.any():
+            continue
+        ends, forces = member.stations[pair], member.forces[pair]
+        at = partial(_between, line, span, ends, forces, member.half_width)
 
         def stress(station: float, at: Callable[[float], _LoadedSection] = at) -> float:
             return at(station).largest_stress(leg)
@@ -197,31 +256,26 @@ def _peaks_beside(
 
 
 def _between(
-    span: Span, ends: Array, forces: Array, half_width: Array, station: float
+    line: CentreLine, span: Span, ends: Array, forces: Array, half_width: Array, station: float
 ) -> _LoadedSection:
     """Loaded section of `span` at `station`.
 
-    The forces are interpolated between the rows of `forces` (2×6) at the two stations `ends`. Their
-    derivatives dMy/dx = Qz and dMz/dx = −Qy are taken as linear between the ends.
+    The forces are interpolated between the rows of `forces` (2×6) at the two stations `ends`. Parts
+    of their derivatives are taken as linear between the ends: −κ × n of the force n, and
+    −κ × m − t × n of the moment m, with the rate of rotation κ of the section's axes along the line
+    and the tangent t.
     """
     length = ends[1] - ends[0]
     share = (station - ends[0]) / length
     there = (1.0 - share) * forces[0] + share * forces[1]
-    sagitta = 0.5 * length * share * (1.0 - share) * (forces[1] - forces[0])
-    there[4] -= sagitta[2]
-    there[5] += sagitta[1]
-    return _in_span(span, station, there, half_width)
-
-
-def _stresses(leg: SectionedLeg, section: Section) -> SectionStresses:
-    return _stresses_on(leg, section, _DIVISIONS[1])
-
-
-def _stresses_on(leg: SectionedLeg, section: Section, divisions: int) -> SectionStresses:
-    """Stresses under unit section forces in a section of `leg`, on a mesh of it."""
-    if isinstance(leg, ConstantLeg) and isinstance(section, Composite):
-        return _composite_stresses(leg, divisions)
-    return section_stresses(section_mesh(section, divisions), leg.material)
+    pieces = line.piece_at(np.repeat(ends.mean(), 2))
+    _, (first, last) = line.frames(ends, pieces)
+    turning = rotation_vector(first.T @ last) / length
+    change = forces[1] - forces[0]
+    rates = -np.cross(turning, change.reshape(2, 3))
+    rates[1] -= np.cross([1.0, 0.0, 0.0], change[:3])
+    there -= 0.5 * length * share * (1.0 - share) * rates.ravel()
+    return _in_span(line, span, station, there, half_width)
 
 
 @memo(16)

@@ -226,11 +226,11 @@ def test_corner_explains_no_wrong_stiffness(wrong, name, monkeypatch):
     assert outcome_of(FRAME, f"beam-solid-{name}", "standard").verdict == "disagree"
 
 
-def test_bent_leg_in_single_pose_has_no_force_figure():
-    """Section forces are computed for straight legs only: there would be nothing to draw."""
+def test_leg_in_single_pose_has_force_figure():
+    """The figure shows section forces along bent and straight legs."""
     loads = [{"name": "push", "wrench": [100.0, 0.0, 0.0, 0.0, 0.0, 0.0]}]
     names = [
         [figure.id for figure in figures(robot_of({**robot.tables, "loads": loads}))]
         for robot in (FRAME, STEPPED)
     ]
-    assert names == [[], ["mechanism.forces.push"]]
+    assert names == [["mechanism.forces.push"], ["mechanism.forces.push"]]

@@ -26,7 +26,9 @@ def cantilever(*stations):
     positions = np.linspace(0.0, LENGTH, 13)
     forces = np.zeros((13, 6))
     forces[:, 2], forces[:, 4] = FORCE, -FORCE * (LENGTH - positions)
-    return LineLeg(line, stations, STEEL), MemberForces("arm", positions, forces, np.zeros(6))
+    return LineLeg(line, stations, STEEL), MemberForces(
+        "arm", positions, forces, np.zeros(6), np.zeros(13, dtype=int)
+    )
 
 
 def test_deep_taper_stress_peaks_at_twice_tip_height():
@@ -105,7 +107,9 @@ def test_peak_between_stations_of_taper_is_found(load):
     forces[:, 2] = FORCE + load * beyond
     forces[:, 4] = -FORCE * beyond - load * beyond**2 / 2.0
     leg = replace(leg, material=Material.isotropic(2.1e11, 0.0, 7850.0))
-    stress = member_stress(leg, MemberForces("arm", stations, forces, np.zeros(6)))
+    stress = member_stress(
+        leg, MemberForces("arm", stations, forces, np.zeros(6), np.zeros(21, dtype=int))
+    )
     peak = FORCE * tip / (rate * FORCE - load * tip)
     moment = FORCE * peak + load * peak**2 / 2.0
     expected = 6.0 * moment / (0.03 * (tip + rate * peak) ** 2)
@@ -128,7 +132,7 @@ def test_half_width_contains_shear_due_to_moment():
     member = replace(member, half_width=np.array([0.0, 0.0, 0.0, 0.0, moment, 0.0]))
     forces = member.forces[:1] + np.array([0.0, 0.0, rate * FORCE * LENGTH, 0.0, 0.0, 0.0])
     width = np.array([0.0, 0.0, -rate * moment, 0.0, moment, 0.0])
-    prism = MemberForces("arm", member.stations[:1], forces, width)
+    prism = MemberForces("arm", member.stations[:1], forces, width, member.runs[:1])
     expected = member_stress(ConstantLeg(LENGTH, root, STEEL), prism)
     stress = member_stress(leg, member)
     assert stress.station == 0.0

@@ -18,7 +18,7 @@ from fem.beams.stepped import SteppedLeg
 from fem.reduction.superelement import held_leg, static_superelement
 from lumped.arrays import Array, dense
 from lumped.errors import ComputationError
-from lumped.legs import GivenLeg, Leg, SectionedLeg, is_bent
+from lumped.legs import GivenLeg, Leg, SectionedLeg
 from lumped.mechanism.body_model import BodyModel, LegMatrices
 from lumped.mechanism.kinematics.accelerations import accelerations
 from lumped.mechanism.load import InterfaceLoads, Load, Loading
@@ -59,7 +59,7 @@ class BodyEnds:
 
 @dataclass(frozen=True, eq=False)
 class LoadForces:
-    """Wrenches of all joints, and forces along all straight legs, under one load in one posture.
+    """Wrenches of all joints, and forces along all legs, under one load in one posture.
 
     Joints and legs are in the order of the robot file. `ends`: wrenches and twists at the
     interfaces of each deformable body, by its name.
@@ -173,9 +173,8 @@ def _load_forces(solution: Solved, load: Loading) -> LoadForces:
     return LoadForces(
         tuple(reaction(posture, joint, load) for joint in forces.joints),
         tuple(
-            member_forces(posture, name, forces, load)
+            member_forces(posture, name, leg, forces, load)
             for name, leg in legs_of(posture.mechanism).items()
-            if not is_bent(leg)
         ),
         {
             name: BodyEnds(

@@ -12,7 +12,6 @@ from functools import partial
 import numpy as np
 
 from lumped.arrays import Array, ComplexArray
-from lumped.legs import is_bent
 from lumped.mechanism.kinematics.postures import shown_pose
 from lumped.models.bodies import legs_of
 from lumped.robot_file import RobotFile
@@ -56,8 +55,8 @@ def figures(robot_file: RobotFile) -> tuple[PlannedFigure, ...]:
     """Planned figures: one for each load and response, and one of a measured response if any."""
     mechanism, forces, measured = robot_file.mechanism, FigureGroup(PATH, ""), FigureGroup(PATH, "")
     responses = FigureGroup(PATH, SHARED_SOLIDS)
-    # In a single pose the figure shows section forces, which are computed for straight legs only.
-    is_drawn = len(mechanism.poses) > 1 or not all(map(is_bent, legs_of(mechanism).values()))
+    # In a single pose the figure shows section forces along legs.
+    is_drawn = len(mechanism.poses) > 1 or bool(legs_of(mechanism))
     for load in mechanism.loads if is_drawn else ():
         identity = f"mechanism.forces.{load.name}", f"Forces and stresses: {load.name}"
         forces.figure(*identity)(partial(_forces, load=load.name))
