@@ -172,7 +172,8 @@ class Answer:
 
     `idle`: number of mobilities that do not move the tool. `loads`: displacements of the tool (6, m
     and rad, base axes) under each load of the file, NaN if not solved. `stability`: buckling
-    under these loads, None if there is no solution. `reactions`: wrenches of joints (6, N and N m,
+    under these loads, None if there is no solution. `bent`: names of the legs that are not
+    straight. `reactions`: wrenches of joints (6, N and N m,
     joint axes) by load and joint, NaN if statically indeterminate. `pressures`: resultants of the
     pressures on faces of CAD parts, by load. `responses`: receptances of the tool. `damped`:
     frequencies (Hz) and loss factors of the complex modes, None if nothing damps the robot.
@@ -191,6 +192,7 @@ class Answer:
     responses: Sequence[HarmonicResponse] = ()
     damped: tuple[Array, Array] | None = None
     stability: Mapping[str, Stability | None] = field(default_factory=dict)
+    bent: Sequence[str] = ()
     reactions: Mapping[str, Mapping[str, Array]] = field(default_factory=dict)
     pressures: Mapping[str, Sequence[PressureResultant]] = field(default_factory=dict)
     uncertainty: MeshUncertainty | None = None

@@ -9,6 +9,7 @@ from lumped.arrays import Array
 from lumped.mechanism.load import Excitation
 from lumped.system.response import HarmonicResponse
 from lumped.system.stability import Stability
+from validation.models.loads.stability import bending_before_buckling
 from validation.models.options import ModelName
 from validation.solve.answer import (
     Answer,
@@ -67,8 +68,6 @@ def _answer_lines(answer: Answer, model: ModelName) -> list[str]:
         bending = "rigid legs" if model == "simplified" else "legs bending as beams"
         lines.append(
             f"  stability under the loads of the robot file, {bending} between their ends:"
-            if answer.stability
-            else "  stability under the loads of the robot file is not computed: a leg is bent"
         )
         lines += [
             f"    {name}: {_stability_text(stability)}"
@@ -76,6 +75,8 @@ def _answer_lines(answer: Answer, model: ModelName) -> list[str]:
             else f"    {name}: not computed, the pressures turn with the part that gives way first"
             for name, stability in answer.stability.items()
         ]
+        if answer.bent:
+            lines.append(f"    {bending_before_buckling(answer.bent)}")
     if len(answer.frequencies):
         listed = ", ".join(f"{value:.5g}" for value in answer.frequencies)
         lines.append(f"  natural frequencies (Hz): {listed}")

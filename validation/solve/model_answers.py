@@ -228,7 +228,7 @@ def _load_fields(solved: SolvedQuestion) -> list[dict[str, Any]]:
     if not names:
         return []
     model, postures, options = question.model, solved.responses.robot.postures, question.options
-    bent, loads = bent_legs(question.mechanism), question.mechanism.loads
+    loads = question.mechanism.loads
     pressures = resultants(question.mechanism)
     # Frequencies under load are computed for beams only: other models have another stiffness inside
     # the legs than the beams of this computation.
@@ -238,13 +238,11 @@ def _load_fields(solved: SolvedQuestion) -> list[dict[str, Any]]:
     return [
         {
             "loads": displacements,
-            # Buckling of bent legs is not computed.
-            "stability": {}
-            if bent
-            else {
+            "stability": {
                 load.name: None if result and gives_way_pressed(load, result) else result
                 for load, result in zip(loads, stability_of_pose, strict=True)
             },
+            "bent": bent_legs(question.mechanism),
             "pressures": pressures,
             "reactions": {
                 name: {reaction.joint: reaction.wrench for reaction in forces.reactions}

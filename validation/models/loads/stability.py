@@ -52,12 +52,9 @@ def stabilities(
     """Stability in each posture under each load, with the lowest `count` frequencies under load.
 
     The outer list is over postures, the inner list over loads. None if the mechanism cannot move as
-    a load requires, or if the centre line of a leg is not straight. Raises the exceptions of
-    `displacements`.
+    a load requires. Raises the exceptions of `displacements`.
     """
     mechanism = postures[0].mechanism
-    if bent_legs(mechanism):
-        return [[None for _ in mechanism.loads] for _ in postures]
     if not mechanism.loads:
         return [[] for _ in postures]
     prepared, legs = prestressed_assembly(model, postures, options)
@@ -127,12 +124,11 @@ def stability_notes(
     `rows` (postures × loads) is the result of `stabilities`.
     """
     mechanism = postures[0].mechanism
+    bent = bent_legs(mechanism)
+    remark = f"; {bending_before_buckling(bent)}" if bent else ""
     loads = load_quantities([load.name for load in mechanism.loads])
-    if loads and (bent := bent_legs(mechanism)):
-        names = ", ".join(bent)
-        return (f"Stability under loads is not computed: {names} bent, with no straight axis",)
     return tuple(
-        f"Load {load.key}: {'; '.join(statements)}"
+        f"Load {load.key}: {'; '.join(statements)}{remark}"
         for load, applied, row in zip(loads, mechanism.loads, zip(*rows, strict=True), strict=True)
         if (
             solved_postures := [
@@ -143,6 +139,12 @@ def stability_notes(
         )
         and (statements := [*_statements(load, requirement, solved_postures)])
     )
+
+
+def bending_before_buckling(bent: Sequence[str]) -> str:
+    """Sentence on the neglect of bending before buckling, for the `bent` legs of a robot."""
+    names = ", ".join(bent)
+    return f"{names} bent: what such legs deflect before they buckle is neglected"
 
 
 def _statements(
