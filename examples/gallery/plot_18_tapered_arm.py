@@ -32,3 +32,15 @@ deflections = {
 }
 for axis, of_beam, of_solid in zip("xyz", *deflections.values(), strict=True):
     print(f"{axis}: beam {1e9 * of_beam:.1f} µm/kN, solid {1e9 * of_solid:.1f} µm/kN")
+
+# %%
+# Section forces along the line under a force on the tool, in the axes of the sections, with the
+# stresses of Winkler's curved bar on the arc:
+
+pushed = {"name": "push", "wrench": [0.0, -500.0, -200.0, 0.0, 0.0, 0.0]}
+forces = fp.forces({**robot.tables, "loads": [pushed]})
+forces.member_table()
+
+# %%
+
+forces.plot()
