@@ -11,7 +11,7 @@ from lumped.centre_line import CentreLine, LinePiece
 from lumped.legs import ConstantLeg, LineLeg, Material
 from lumped.mechanism.kinematics.postures import reference_posture
 from lumped.mechanism.load import Load
-from lumped.sections import HollowRectangle, Rectangle
+from lumped.sections import Circle, HollowRectangle, Rectangle
 from lumped.system.members import MemberForces
 from validation.forces.stresses import _loaded_sections, member_stress
 from validation.models.loads.statics import load_forces
@@ -43,6 +43,17 @@ def test_deep_taper_stress_peaks_at_twice_tip_height():
     assert stress.largest == pytest.approx(expected, rel=1e-5)
     assert stress.along[0] == pytest.approx(6.0 * FORCE * LENGTH / (0.03 * 0.08**2), rel=1e-5)
     assert abs(stress.point[1]) == pytest.approx(0.02, rel=1e-9)
+
+
+def test_cone_stress_peaks_at_three_halves_of_tip():
+    """σ = 32Fξ/πd³ of a cone is largest where d is 1.5 times the diameter at the tip."""
+    tip = 0.02
+    leg, member = cantilever((0.0, Circle(3.0 * tip)), (LENGTH, Circle(tip)))
+    stress = member_stress(leg, member)
+    expected = 32.0 * FORCE * LENGTH / 4.0 / (np.pi * (1.5 * tip) ** 3)
+    assert stress.station == pytest.approx(0.75 * LENGTH, rel=1e-3)
+    assert stress.largest == pytest.approx(expected, rel=1e-3)
+    assert abs(stress.largest - expected) <= stress.half_width
 
 
 def test_inclined_fibres_carry_shear_of_wedge():

@@ -14,6 +14,7 @@ from support.robots.pendulum import PENDULUM
 from support.robots.robot_from_text import described
 from support.robots.single_arm import ONE_ARM
 
+from lumped.acceptance.requirement import Requirement
 from lumped.errors import ComputationError
 from lumped.mechanism.body import Rigid
 from lumped.mechanism.kinematics.postures import posture, reference_posture
@@ -26,7 +27,7 @@ from lumped.system.assembly import assemble
 from lumped.system.loads import loading
 from lumped.system.solution import solved
 from lumped.system.stability import geometric_stiffness, stability
-from validation.models.loads.stability import prestressed_assembly, stabilities
+from validation.models.loads.stability import prestressed_assembly, stabilities, stability_notes
 from validation.models.loads.statics import interface_loads
 from validation.models.options import ModelOptions
 from validation.models.robot_models import answers
@@ -414,3 +415,37 @@ def test_solid_buckles_without_shear_formula():
         answers("beam", [reference_posture(post)], 0)
     ((result,),) = stabilities("solid", [reference_posture(post)], ModelOptions(divisions=1))
     assert result.factor > 0.0
+
+
+BRACKET = """
+schema = 2
+name = "bracket"
+points = { A = [0.0, 0.0, 0.0], K = [0.0, 0.0, 0.8], P = [0.3, 0.0, 0.8] }
+tool = { body = "bracket", point = "P", moves = [] }
+joints.clamp = { type = "fixed", between = ["ground", "bracket"], at = "A" }
+materials.steel = { E = 2.1e11, nu = 0.3, rho = 7850.0 }
+[bodies.bracket]
+from = "A"
+to = "P"
+up = [0.0, 1.0, 0.0]
+through = ["K"]
+section = { shape = "rectangle", width = 0.02, height = 0.06 }
+material = "steel"
+[[loads]]
+name = "press"
+wrench = [0.0, 0.0, -2000.0, 0.0, 0.0, 0.0]
+"""
+
+
+@pytest.mark.parametrize("model", ["links", "beam"])
+def test_bracket_buckles_as_its_column(model):
+    """The load along the column on the end of the arm buckles it at π²EI/4H².
+
+    The note states that the bracket bends before.
+    """
+    postures = [reference_posture(described(BRACKET))]
+    rows = stabilities(model, postures, EULER)
+    euler = np.pi**2 * 2.1e11 * 0.06 * 0.02**3 / 12.0 / (4.0 * 0.8**2)
+    assert rows[0][0].factor == pytest.approx(euler / 2000.0, rel=1e-3)
+    (note,) = stability_notes(postures, rows, Requirement())
+    assert note.endswith("deflection of bent legs before buckling is neglected: bracket")
