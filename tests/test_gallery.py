@@ -267,6 +267,10 @@ def test_tapered_arm_converges_to_its_solid(example):
     assert beams.values[-1, f1] == pytest.approx(beams.limits[f1], rel=1e-7)
     beam, solid = variables["deflections"].values()
     assert beam == pytest.approx(solid, rel=0.0136)
+    (pose,) = variables["forces"].poses
+    (member,) = pose.loads["push"].members
+    # At the root A, from the force (0, −500, −200) N on P = (0.6, 0.3, 0) m.
+    assert member.forces[0] == pytest.approx([0.0, -500.0, -200.0, -60.0, 120.0, -300.0], abs=1e-6)
 
 
 def test_load_along_leg_equals_closed_form(example):
