@@ -20,11 +20,11 @@ import numpy as np
 
 from lumped.arrays import Array
 from lumped.memo import memo
+from lumped.sections.boundary_elements import Region
 from lumped.sections.edged import OFF_CENTRE, EdgedSection, product_of
 from lumped.sections.outlined import OutlinedSection
 from lumped.sections.polygons import TOUCHING, Loop, is_inside, partition_edges
 from lumped.sections.saint_venant import (
-    Region,
     RimSolution,
     area_moments,
     rim_solution,

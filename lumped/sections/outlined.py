@@ -14,9 +14,10 @@ import numpy as np
 
 from lumped.arrays import Array
 from lumped.memo import memo
+from lumped.sections.boundary_elements import Region
 from lumped.sections.edged import EdgedSection, product_of
 from lumped.sections.polygons import TOUCHING, Loop, inner_angles, is_inside
-from lumped.sections.saint_venant import Region, RimSolution, area_moments, rim_solution
+from lumped.sections.saint_venant import RimSolution, area_moments, rim_solution
 from lumped.sections.shapes import WalledProfile
 
 Points: TypeAlias = tuple[tuple[float, float], ...]
