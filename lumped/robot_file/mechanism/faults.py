@@ -25,12 +25,8 @@ from lumped.mechanism.kinematics.postures import (
 )
 from lumped.mechanism.mechanism import GROUND, Mechanism, Posture
 from lumped.robot_file.mechanism.draft import Draft
-from lumped.robot_file.mechanism.relations import (
-    body_faults,
-    joint_faults,
-    path_faults,
-    tool_faults,
-)
+from lumped.robot_file.mechanism.joint_relations import joint_faults
+from lumped.robot_file.mechanism.relations import body_faults, path_faults, tool_faults
 from lumped.robot_file.rules.rule import Text
 from lumped.robot_file.rules.tables.robots import MECHANISM, MechanismEntry
 from lumped.text import counted, unknown_name
