@@ -231,8 +231,9 @@ def _all_changes(first: PathModes, second: PathModes, fine: PathModes) -> Array:
 def response_half_widths(
     responses: Responses, reading: Reading, numbers: Callable[[PathModes], Array]
 ) -> Array:
-    """Relative half-widths of harmonic responses due to all meshes. 1 if unknown.
+    """Relative half-widths of harmonic responses due to changes between meshes. 1 if unknown.
 
+    Walls that section meshes bend too little are not included, see `distortion_half_widths`.
     `numbers` returns the compared values (P×q) of the harmonic responses that belong to modes, such
     as their peaks. Array sizes: P poses, q values.
     """

@@ -37,6 +37,7 @@ from validation.models.robot_models import highest_frequency, modes_along
 from validation.models.roundings import roundings_of
 from validation.references.mesh_uncertainty import (
     displacement_half_widths,
+    distortion_half_widths,
     frequency_half_widths,
     response_half_widths,
 )
@@ -255,59 +256,79 @@ def _energies(matrix: Array | SparseMatrix, shapes: Array) -> Array:
 
 def _modal_meshes(responses: Responses, reading: Reading) -> SourceHalfWidths:
     """Half-widths of frequencies and harmonic responses due to meshes."""
+    robot = responses.robot
     frequencies = frequency_half_widths(responses, reading)
-    excitations = responses.robot.mechanism.excitations
+    excitations = robot.mechanism.excitations
     if not excitations:
         return SourceHalfWidths(frequencies=frequencies)
+    fine = responses.required_modes(SOLID, reading)
+    peaks, receptances = _by_frequencies(robot, fine, partial(_distortion_half_widths, robot, fine))
     return SourceHalfWidths(
         frequencies=frequencies,
-        peaks=response_half_widths(responses, reading, lambda modes: modes.peaks),
+        peaks=peaks + response_half_widths(responses, reading, lambda modes: modes.peaks),
         receptances=[
-            response_half_widths(responses, reading, partial(_receptance_sizes, number))
-            for number in range(len(excitations))
+            by_walls + response_half_widths(responses, reading, partial(_receptance_sizes, number))
+            for number, by_walls in enumerate(receptances)
         ],
     )
 
 
-def _modal_digits(responses: Responses, reading: Reading) -> SourceHalfWidths:
-    """Half-widths of frequencies and harmonic responses due to printed digits.
+def _distortion_half_widths(robot: RobotOnPath, fine: PathModes, frequencies: Array) -> Array:
+    """Relative half-widths (P×n) of natural frequencies near `frequencies` (P×n, Hz).
 
-    If the natural frequency nearest to an excitation frequency ω has the relative half-width s, all
-    natural frequencies are assumed to change by s, and all stiffnesses by 2s. The receptance h(ω)
-    then becomes h(ω(1 − s))/(1 + 2s). A peak moves by s, and its height changes by 2s.
+    Section meshes bend too little under the inertia of walls. The share of this in the strain
+    energy is proportional to ω², so that it follows from that in the nearest mode of `fine`.
     """
+    if not robot.prisms:
+        return np.zeros_like(frequencies)
+    per_square = distortion_half_widths(robot, fine) / np.square(fine.frequencies)
+    return _nearest_half_widths(fine, per_square, frequencies) * np.square(frequencies)
+
+
+def _modal_digits(responses: Responses, reading: Reading) -> SourceHalfWidths:
+    """Half-widths of frequencies and harmonic responses due to printed digits."""
     robot, fine = responses.robot, responses.required_modes(SOLID, reading)
     digits = _frequency_digit_half_widths(robot, fine, reading)
     if not robot.mechanism.excitations:
         return SourceHalfWidths(frequencies=digits)
+    peaks, receptances = _by_frequencies(robot, fine, partial(_nearest_half_widths, fine, digits))
+    return SourceHalfWidths(frequencies=digits, peaks=peaks, receptances=receptances)
+
+
+def _by_frequencies(
+    robot: RobotOnPath, fine: PathModes, half_widths: Callable[[Array], Array]
+) -> tuple[Array, list[Array]]:
+    """Half-widths of peaks (P×q) and receptances (P×n each) due to those of natural frequencies.
+
+    `half_widths` is a function of excitation frequencies (P×n, Hz) that returns the relative
+    half-widths s (P×n) of the natural frequencies near them. All natural frequencies are assumed to
+    change by s, and all stiffnesses by 2s. The receptance h(ω) then becomes h(ω(1 − s))/(1 + 2s). A
+    peak moves by s, and its height changes by 2s.
+    """
     peaks: list[Array] = []
     receptances = []
     for number, excitation in enumerate(robot.mechanism.excitations):
         frequencies, sizes = excitation.frequencies, _receptance_sizes(number, fine)
-        peak = _nearest_half_widths(fine, digits, fine.peaks[:, [len(peaks) + 1]])[:, 0]
+        peak = half_widths(fine.peaks[:, [len(peaks) + 1]])[:, 0]
         slopes = np.gradient(np.log(np.maximum(sizes, _NO_SIZE)), np.log(frequencies), axis=1)
-        nearest = _nearest_half_widths(fine, digits, np.broadcast_to(frequencies, sizes.shape))
-        half_widths = nearest * (2.0 + np.abs(slopes))
+        nearest = half_widths(np.broadcast_to(frequencies, sizes.shape))
+        changes = nearest * (2.0 + np.abs(slopes))
         peaks += [2.0 * peak, peak]
         if excitation.at is not None:
-            peaks.append(
-                np.array([np.interp(excitation.at, frequencies, row) for row in half_widths])
-            )
-        receptances.append(half_widths)
-    return SourceHalfWidths(
-        frequencies=digits, peaks=np.stack(peaks, axis=1), receptances=receptances
-    )
+            peaks.append(np.array([np.interp(excitation.at, frequencies, row) for row in changes]))
+        receptances.append(changes)
+    return np.stack(peaks, axis=1), receptances
 
 
-def _nearest_half_widths(fine: PathModes, digits: Array, frequencies: Array) -> Array:
+def _nearest_half_widths(fine: PathModes, of_modes: Array, frequencies: Array) -> Array:
     """Relative half-widths (P×n) of the natural frequencies nearest to `frequencies` (P×n, Hz).
 
-    `digits` (P×K): relative half-widths of the natural frequencies of the modes `fine`. Array
-    sizes: P poses, K judged frequencies.
+    `of_modes` (P×K): relative half-widths of the natural frequencies of the modes `fine`. Array
+    sizes: P poses, K frequencies.
     """
-    natural = np.nan_to_num(fine.frequencies[:, : digits.shape[1]], nan=np.inf)
+    natural = np.nan_to_num(fine.frequencies[:, : of_modes.shape[1]], nan=np.inf)
     nearest = np.argmin(np.abs(natural[:, None] - frequencies[:, :, None]), axis=2)
-    return np.take_along_axis(digits, nearest, axis=1)
+    return np.take_along_axis(of_modes, nearest, axis=1)
 
 
 def _receptance_sizes(excitation: int, modes: PathModes) -> Array:

@@ -1,5 +1,7 @@
 """Half-widths of references due to meshes, for errors that are known beforehand."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 from support.fakes.toy_responses import NO_ROBOT
@@ -15,7 +17,7 @@ from lumped.robot_file.load import robot_of
 from lumped.sections import HollowRectangle
 from meshes.section.section_mesh import section_mesh
 from validation.context import Context
-from validation.references import mesh_uncertainty
+from validation.references import mesh_uncertainty, uncertainty_sources
 from validation.references.model_ladder import COMPUTED_BEAMS
 from validation.references.modes_on_path import LegMesh, solid_vibration
 from validation.references.reference_legs import (
@@ -96,6 +98,26 @@ def test_distortion_half_width_follows_kinds_of_motion():
     assert half_widths[0] > 1.1e-3
 
 
+def test_walls_widen_responses_near_resonance():
+    """Box with walls of 3 mm: the peak moves by the half-width of f1, its height by twice that.
+
+    Far below f1 walls hardly bend: the half-width falls with ω², to 1 % of that of the peak.
+    """
+    response = {"name": "mill", "direction": [0.0, 1.0, 0.0], "from": 11.0, "to": 250.0}
+    damping = {"ratio": 0.01}
+    on_path = cantilever(BOX, damping=damping, responses=[response])
+    modes = Responses(on_path).required_modes(COMPUTED_BEAMS, on_path.first_reading)
+    half_widths = partial(uncertainty_sources._distortion_half_widths, on_path, modes)
+    peaks, (receptance,) = uncertainty_sources._by_frequencies(on_path, modes, half_widths)
+    of_modes = mesh_uncertainty.distortion_half_widths(on_path, modes)[0]
+    # A damping ratio of 1 % lowers the frequency of the peak by 1e-4 of f1.
+    assert peaks[0] == pytest.approx(np.array([2.0, 1.0]) * of_modes[0], rel=1e-3)
+    assert peaks[0, 1] > 1.1e-3
+    static = 2.0 * (11.0 / modes.frequencies[0, 0]) ** 2 * of_modes[0]
+    assert receptance[0, 0] == pytest.approx(static, rel=0.02)
+    assert receptance[0].max() > 10.0 * of_modes[0]
+
+
 @pytest.mark.exhaustive
 @pytest.mark.parametrize(
     "section",
@@ -127,8 +149,11 @@ def test_half_widths_of_section_mesh_cover_thin_walls(section):
         assert (changes > constants).all()
 
 
-def cantilever(section):
-    """Robot of one steel leg, 0.9 m long, with free end faces, clamped at its root."""
+def cantilever(section, **tables):
+    """Robot of one steel leg, 0.9 m long, with free end faces, clamped at its root.
+
+    `tables` are further tables of the robot file.
+    """
     material = {"E": STEEL.E, "nu": STEEL.nu, "rho": STEEL.rho}
     body = {"from": "A", "to": "B", "section": section, "material": material, "ends": "free"}
     robot = robot_of(
@@ -139,6 +164,7 @@ def cantilever(section):
             "bodies": {"boom": body},
             "joints": {"root": {"type": "fixed", "between": ["ground", "boom"], "at": "A"}},
             "tool": {"body": "boom", "point": "B", "moves": []},
+            **tables,
         }
     )
     return robot_on_path(Context(robot, "quick"))
