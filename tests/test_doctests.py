@@ -13,6 +13,8 @@ from validation import api
 ROOT = Path(__file__).resolve().parents[1]
 FUNCTIONS = [name for name in fp.__all__ if inspect.isfunction(getattr(fp, name))]
 QUICK = {"compare_measured", "converge", "forces", "load", "solve"}
+# Half a minute each, with commands of the same name tested elsewhere.
+LONG = {"identify", "vary"}
 ERRORS = (fp.InputError, fp.ComputationError)
 RESULTS = [n for n in fp.__all__ if inspect.isclass(vars(fp)[n]) and vars(fp)[n] not in ERRORS]
 # Members that other modules of the project call; the API reference leaves them out.
@@ -53,7 +55,12 @@ def once(function):
 
 @pytest.mark.parametrize(
     "name",
-    [pytest.param(n, marks=[pytest.mark.exhaustive] * (n not in QUICK)) for n in FUNCTIONS],
+    [
+        name
+        if name in QUICK
+        else pytest.param(name, marks=pytest.mark.soak if name in LONG else pytest.mark.exhaustive)
+        for name in FUNCTIONS
+    ],
 )
 def test_docstring_examples_of_functions_run(name, tmp_path, monkeypatch):
     """Run the examples of a function, then those of the class of its result and its methods."""

@@ -40,6 +40,8 @@ EXAMPLES = ROOT / "docs" / "examples"
 PAGES = (ROOT / "README.md", *sorted((ROOT / "docs" / "guide").glob("*.md")))
 # Pages and scripts whose examples take ten seconds and more.
 LONG = {"cross_validation", "measured", "models", "mechanisms", "cases", "paper", "from_python"}
+# Of these the one that takes longest. It repeats what examples/*.ipynb and other tests show.
+LONGEST = "cross_validation"
 BLOCK = re.compile(r"^```(\w+)[ ]?([^\n]*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 LINK = re.compile(r"\]\(([^)#\s]+)(?:#[^)\s]*)?\)")
 FEW = ["--preset", "quick", "--only", "*.statics?simplified*", "--jobs", "1"]
@@ -50,9 +52,10 @@ def blocks(page: Path) -> list[tuple[str, str, str]]:
 
 
 def long_apart(paths):
-    exhaustive = pytest.mark.exhaustive
+    marks = dict.fromkeys(LONG, pytest.mark.exhaustive) | {LONGEST: pytest.mark.soak}
     return [
-        pytest.param(path, id=path.stem, marks=[exhaustive] * (path.stem in LONG)) for path in paths
+        pytest.param(path, id=path.stem, marks=[marks[path.stem]] if path.stem in marks else [])
+        for path in paths
     ]
 
 
@@ -88,7 +91,7 @@ def test_example_scripts_of_guide_run(script, tmp_path, monkeypatch):
     runpy.run_path(str(script), run_name="__main__")
 
 
-@pytest.mark.exhaustive
+@pytest.mark.soak
 def test_design_team_example_passes(tmp_path):
     """The example of a team's pytest suite contains one test, which passes."""
     line = (

@@ -58,6 +58,8 @@ SLOW = {
     ("five-bar", "rod1.solid"),
 }
 # Groups of which the quick preset compares nothing, and the reasons.
+# Of these the one that takes longest: modes of a robot with legs as solids.
+SLOWEST = ("five-bar", "robot.solid.modes")
 BEYOND_QUICK = {
     ("ifw", "mechanism.exudyn"): "the EXUDYN comparison needs a section",
     (
@@ -77,7 +79,9 @@ SOME = {
 }
 # The paper's statements are judged and turned where their numbers are tested, in test_claims.
 OTHERS = [
-    pytest.param(group, marks=pytest.mark.exhaustive) if group in SLOW else group
+    pytest.param(group, marks=pytest.mark.soak if group == SLOWEST else pytest.mark.exhaustive)
+    if group in SLOW
+    else group
     for group in GROUPS
     if group[1] != "paper" and group not in BEYOND_QUICK
 ]

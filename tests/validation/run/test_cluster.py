@@ -320,7 +320,7 @@ def append_results(address, calls, results):
             results += [result for _, result in executor([call])]
 
 
-@pytest.mark.exhaustive
+@pytest.mark.soak
 def test_parts_are_reduced_on_workers(tmp_path, monkeypatch, cluster):
     """The worker lacks the part's file. Its reductions are stored in this machine's cache, too."""
     monkeypatch.delenv("FLEXPROOF_CACHE", raising=False)
