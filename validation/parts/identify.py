@@ -255,6 +255,7 @@ def identified_entry(
 ) -> CacheEntry[Identified]:
     """Cache entry for the result of `identify`."""
     key = part_key(part, interfaces, material, "identify", unknowns, modes)
+    meshes = mesh_entries(part, interfaces, unknowns, LEVELS)
     m = 6 * len(interfaces)
 
     def read(arrays: dict[str, Array]) -> Identified:
@@ -268,7 +269,7 @@ def identified_entry(
         key,
         lambda: _identification(part, interfaces, material, unknowns, modes),
         read,
-        mesh_entries(part, interfaces, unknowns, LEVELS),
+        meshes,
     )
 
 
