@@ -47,6 +47,8 @@ MeshStudy: TypeAlias = tuple[
 # Order of convergence of the forces with the number of segments, whose mass is lumped: that of the
 # layout with springs of half length at both ends, and that of the paper's layout.
 _HALF, _LITERAL = 2.0, 1.0
+# Distance of two stations that count as one, over the length of the leg.
+_SAME = 1e-9
 # Ratio of element sizes if a mesh of a CAD part has half as many unknowns, and the lowest
 # order of convergence of their stiffness, due to singular stresses at the edges of bores.
 _PART_RATIO, _PART_ORDER = 2.0 ** (1.0 / 3.0), 1.0
@@ -256,39 +258,38 @@ def _changes(rows: PathForces, first: PathForces, second: PathForces) -> Array:
     """Magnitudes (P×L×n×6, N and N m) of the changes of forces from solution `first` to `second`.
 
     The n rows are the joints, then the legs. The row of a joint contains the changes of its wrench,
-    that of a leg the largest changes of its section forces, compared at the stations of a third
-    solution, `rows`. Zero if there is no solution. Shapes: P poses, L loads, n joints and legs.
+    that of a leg the largest changes of its section forces. Zero if there is no solution, or none
+    in `rows`. Shapes: P poses, L loads, n joints and legs.
     """
     count = _count(rows)
     changes = [
-        np.zeros((count, 6))
-        if result is None or None in pair
-        else _changes_under_load(result, *pair)
+        np.zeros((count, 6)) if result is None or None in pair else _changes_under_load(*pair)
         for results, *pairs in zip(rows, first, second, strict=True)
         for result, *pair in zip(results, *pairs, strict=True)
     ]
     return np.reshape(changes, (len(rows), -1, count, 6))
 
 
-def _changes_under_load(result: LoadForces, first: LoadForces, second: LoadForces) -> Array:
+def _changes_under_load(first: LoadForces, second: LoadForces) -> Array:
     changes = [
         np.abs(one.wrench - other.wrench)
         for one, other in zip(first.reactions, second.reactions, strict=True)
     ]
     changes += [
-        np.abs(_forces_at(member, one) - _forces_at(member, other)).max(axis=0)
-        for member, one, other in zip(result.members, first.members, second.members, strict=True)
+        _largest_changes(one, other)
+        for one, other in zip(first.members, second.members, strict=True)
     ]
     return np.asarray(np.nan_to_num(np.reshape(changes, (-1, 6))))
 
 
-def _forces_at(member: MemberForces, solution: MemberForces) -> Array:
-    """Forces and moments (s×6) of a leg by `solution`, at the s sections of `member`."""
-    forces = np.empty_like(member.forces)
-    for run in np.unique(member.runs):
-        rows, known = member.runs == run, solution.runs == run
-        for column, values in enumerate(solution.forces[known].T):
-            forces[rows, column] = np.interp(
-                member.stations[rows], solution.stations[known], values
-            )
-    return forces
+def _largest_changes(first: MemberForces, second: MemberForces) -> Array:
+    """Largest magnitudes (6, N and N m) of the changes of a leg's forces between two solutions.
+
+    They are compared at the stations of both. Each solution has further ones, at the zeros of its
+    shear forces.
+    """
+    slack = _SAME * float(first.stations[-1])
+    distances = np.abs(first.stations[:, None] - second.stations)
+    same = (distances <= slack) & (first.runs[:, None] == second.runs)
+    rows, columns = np.nonzero(same)
+    return np.asarray(np.abs(first.forces[rows] - second.forces[columns]).max(axis=0))
