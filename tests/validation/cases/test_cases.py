@@ -57,9 +57,9 @@ SLOW = {
     ("ifw", "leg1.modes"),
     ("five-bar", "rod1.solid"),
 }
-# Groups of which the quick preset compares nothing, and the reasons.
-# Of these the one that takes longest: modes of a robot with legs as solids.
+# The slowest group: modes of a robot with legs as solids.
 SLOWEST = ("five-bar", "robot.solid.modes")
+# Groups of which the quick preset compares nothing, and the reasons.
 BEYOND_QUICK = {
     ("ifw", "mechanism.exudyn"): "the EXUDYN comparison needs a section",
     (
