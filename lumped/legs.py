@@ -182,6 +182,22 @@ class Span:
         }
         return type(self.first)(**sizes)
 
+    def share_of(self, section: Section) -> float | None:
+        """Fraction of the span at which it has the `section`. None if it has it nowhere."""
+        if section == self.first:
+            return 0.0
+        if self.first == self.last or type(section) is not type(self.first):
+            return None
+        first, last, sizes = (
+            np.array([getattr(part, entry.name) for entry in fields(part)], dtype=float)
+            for part in (self.first, self.last, section)
+        )
+        changes = last - first
+        share = float((sizes - first) @ changes / (changes @ changes))
+        slack = TOGETHER * float(np.abs(first).max())
+        is_same = np.abs(first + share * changes - sizes).max() <= slack
+        return share if is_same and 0.0 <= share <= 1.0 + TOGETHER else None
+
     def taper_rates(self, shares: Array) -> Array:
         """Rates d ln a/ds (p×2, 1/m) of the lever arms a = I/S at p fractions `shares` of the span.
 

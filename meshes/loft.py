@@ -10,10 +10,11 @@ nodes are the projection of the section along either piece, since each piece is 
 the continuation of the other. The planes of nodes turn gradually from the mitre to the normal of
 the line, while fibres stay straight.
 
-In a leg whose section changes in steps, sections are constant between them. Each is a part of one
-mesh (`meshes.stepped`), so that the elements on both sides of a step have common nodes.
+In a leg whose section changes in steps, each section is a part of one mesh (`meshes.stepped`), so
+that the elements on both sides of a step have common nodes.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from math import ceil
 from typing import NamedTuple
@@ -35,7 +36,7 @@ from meshes.quality import check
 from meshes.section.section_blocks import Divisions, element_length, has_blocks
 from meshes.section.section_mesh import SectionMesh, require_leg, section_mesh
 from meshes.solid_mesh import EndFace, SolidMesh
-from meshes.stepped import cells_in, common_mesh, cut, is_round, section_lines, why_no_common_mesh
+from meshes.stepped import is_round, section_lines, stepped_sections, why_no_common_mesh
 
 # Rotation (rad) of the axes of the sections at a corner, relative to their mirror image, below
 # which outlines match.
@@ -93,10 +94,16 @@ def why_no_loft(leg: LineLeg) -> str:
 
 def _why_no_steps(leg: LineLeg) -> str:
     """Reason why a leg with steps has no solid mesh. "" if it has one."""
-    if any(span.first != span.last for span in leg.spans):
-        return "a leg with steps and tapers has no mesh: give a short taper at each step"
     if reason := why_no_common_mesh(leg_sections(leg)):
         return f"{reason}: give a short taper"
+    common = stepped_sections(leg.spans, 1)
+    filled = [common.filled(number) for number in range(len(leg.spans))]
+    for span, before, after in zip(leg.spans[1:], filled[:-1], filled[1:], strict=True):
+        if not (before & after).any():
+            return (
+                f"the sections on both sides of the step at {span.start:.4g} m along the line "
+                "do not touch each other: make them overlap"
+            )
     return ""
 
 
@@ -113,7 +120,7 @@ def leg_sections(leg: LineLeg) -> tuple[Section, ...]:
 def solid_section(leg: LineLeg, section: Section, divisions: Divisions) -> SectionMesh:
     """Mesh that the leg's solid has in one of its sections, `divisions` as for `loft`."""
     if leg.steps:
-        return cut(leg_sections(leg), section, divisions)
+        return stepped_sections(leg.spans, divisions).mesh_of(section)
     reference = mesh_section(leg)
     face = section_mesh(reference, divisions)
     return replace(face, nodes=stretched(face.nodes, reference, section))
@@ -140,19 +147,22 @@ def loft(leg: LineLeg, divisions: Divisions, slices: int) -> LoftedMesh:
         raise InputError(reason)
     reference = mesh_section(leg)
     require_leg(reference, leg.line.length, divisions)
-    stepped = bool(leg.steps)
-    face = (
-        common_mesh(leg_sections(leg), divisions) if stepped else section_mesh(reference, divisions)
-    )
-    planes = _planes(leg, face, None if stepped else reference, slices)
+    face = section_mesh(reference, divisions)
+
+    def nodes_of_taper(number: int, share: float) -> Array:
+        return stretched(face.nodes, reference, leg.spans[number].section(share))
+
+    nodes_at, filled = nodes_of_taper, np.ones((len(leg.spans), len(face.cells)), dtype=bool)
+    if leg.steps:
+        common = stepped_sections(leg.spans, divisions)
+        face, nodes_at = common.mesh, common.nodes
+        filled = np.array([common.filled(number) for number in range(len(leg.spans))])
+    planes = _planes(leg, nodes_at, slices)
     points, axes = leg.line.frames(planes.positions, planes.pieces)
     nodes = points[:, None] + np.einsum("pij,pnj->pni", axes, planes.places)
     nodes[-1] += np.array([leg.line.chord, 0.0, 0.0]) - points[-1]
-    per_plane, slice_count = len(face.nodes), len(planes.sections)
-    is_filled = np.ones((slice_count, len(face.cells)), dtype=bool)
-    if stepped:
-        by_section = {section: cells_in(face, section) for section in leg_sections(leg)}
-        is_filled = np.array([by_section[section] for section in planes.sections])
+    per_plane, slice_count = len(face.nodes), len(planes.spans)
+    is_filled = filled[planes.spans]
     one_slice = np.hstack([face.cells + plane * per_plane for plane in range(3)])
     offsets = 2 * per_plane * np.arange(slice_count)
     all_cells = (one_slice[None] + offsets[:, None, None])[is_filled]
@@ -188,35 +198,28 @@ class _Planes(NamedTuple):
 
     `positions` (p, in m along the line), `pieces` (p, indices of the pieces of the line to which
     the planes belong), `places` (p×n×3, in m) of the n nodes of each plane in the axes of the line,
-    and `sections` (s) at the starts of the slices.
+    and `spans` (s), indices of the spans to which the slices belong.
     """
 
     positions: Array
     pieces: IntArray
     places: Array
-    sections: list[Section]
+    spans: list[int]
 
 
-def _planes(leg: LineLeg, face: SectionMesh, reference: Section | None, slices: int) -> _Planes:
+def _planes(leg: LineLeg, nodes_at: Callable[[int, float], Array], slices: int) -> _Planes:
     """Planes of nodes of a leg with about `slices` slices.
 
-    `face` is the mesh of the section `reference`, from which the nodes of each plane are stretched.
-    If `reference` is None, `face` contains all sections, and its nodes are those of each plane.
+    `nodes_at` returns the nodes (n×2, in m) of the section at a fraction of a span, from the index
+    of the span and the fraction.
     """
     line = leg.line
     rotations = _rotations(line)
-    positions, places, sections = [], [], []
+    positions, places, spans = [], [], []
     for number, span in enumerate(leg.spans):
         count = max(1, ceil(slices * (span.end - span.start) / line.length - TOGETHER))
         shares = np.linspace(0.0, 1.0, 2 * count + 1)
-        shapes = np.array(
-            [
-                face.nodes
-                if reference is None
-                else stretched(face.nodes, reference, span.section(share))
-                for share in shares
-            ]
-        )
+        shapes = np.array([nodes_at(number, float(share)) for share in shares])
         shapes = shapes @ rotations[_piece_of(line, span)].T
         first, last = (
             shape @ mitre
@@ -229,13 +232,13 @@ def _planes(leg: LineLeg, face: SectionMesh, reference: Section | None, slices: 
         kept = slice(0 if number == 0 else 1, None)
         positions.append(span.start + (span.end - span.start) * shares[kept])
         places.append(np.concatenate([along[:, :, None], shapes], axis=2)[kept])
-        sections += [span.first] * count
+        spans += [number] * count
     planes = np.concatenate(positions)
     # A plane between two pieces belongs to the one before it, which meets the next one smoothly or
     # at a mitre.
     pieces = np.searchsorted(line.ends, planes, side="left") - 1
     pieces = np.clip(pieces, 0, len(line.pieces) - 1)
-    return _Planes(planes, pieces, np.concatenate(places), sections)
+    return _Planes(planes, pieces, np.concatenate(places), spans)
 
 
 def _piece_of(line: CentreLine, span: Span) -> int:

@@ -2,18 +2,22 @@
 
 The lines or circles on which the edges of all sections lie divide the plane into blocks. Each
 section is a set of blocks. Both sides of a step therefore have the same nodes where they meet, and
-the solid is conforming. The sections are constant between steps. Either all have edges parallel to
-y and z, or all are circles and tubes.
+the solid is conforming. Either all sections have edges parallel to y and z, or all are circles and
+tubes. Where a section tapers, the lines move with its edges, and those of the other sections with
+them: the edges of a later section are lines of the mesh at the root that arrive there.
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from math import ceil, pi
+from typing import TypeAlias
 
 import numpy as np
 
 from lumped.arrays import Array, BoolArray, IntArray, distinct
 from lumped.errors import InputError
+from lumped.legs import Span
 from lumped.memo import memo
 from lumped.sections import (
     Circle,
@@ -53,33 +57,140 @@ def why_no_common_mesh(sections: Sequence[Section]) -> str:
     return f"a step between {shapes} has no mesh: not all edges are parallel to y and z"
 
 
+@dataclass(frozen=True, eq=False)
+class _Stretch:
+    """Function of one coordinate: linear between `knots`, where it has `values` (both ascending).
+
+    Beyond the first and the last knot its slope is one.
+    """
+
+    knots: Array
+    values: Array
+
+    def __call__(self, coordinates: Array) -> Array:
+        inside = np.clip(coordinates, self.knots[0], self.knots[-1])
+        return np.asarray(np.interp(inside, self.knots, self.values) + coordinates - inside)
+
+    @property
+    def inverse(self) -> "_Stretch":
+        return _Stretch(self.values, self.knots)
+
+    def then(self, outer: "_Stretch") -> "_Stretch":
+        """Function that applies `outer` to the result of this one."""
+        knots = np.union1d(self.knots, self.inverse(outer.knots))
+        return _Stretch(knots, outer(self(knots)))
+
+
+# Stretches of a section's plane: along y and along z, or one along the radius.
+_Stretches: TypeAlias = tuple[_Stretch, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class SteppedSections:
+    """Common mesh of the sections of a leg with k spans, and its stretching in each span.
+
+    Elements of `mesh` belong to the section of a span as a whole or not at all. In a tapered span
+    the nodes move with the edges of its section. A later span begins with the nodes where the span
+    before ends. `starts` and `ends` (k) are the stretches of the mesh at both ends of the spans.
+    """
+
+    mesh: SectionMesh
+    spans: tuple[Span, ...]
+    starts: tuple[_Stretches, ...]
+    ends: tuple[_Stretches, ...]
+
+    def nodes(self, number: int, share: float) -> Array:
+        """Nodes (n×2, in m) of the mesh at the fraction `share` of span `number` (from 0)."""
+        start, end = (
+            _stretched(self.mesh.nodes, ends[number]) for ends in (self.starts, self.ends)
+        )
+        return np.asarray((1.0 - share) * start + share * end)
+
+    def filled(self, number: int) -> BoolArray:
+        """Flags of the elements of the mesh that belong to the section of span `number`."""
+        # The last node of a nine-node quadrilateral is its middle.
+        middles = self.mesh.nodes[self.mesh.cells[:, 8]]
+        return _is_within(_stretched(middles, self.starts[number]), self.spans[number].first)
+
+    def mesh_of(self, section: Section) -> SectionMesh:
+        """Mesh that the solid has where its section is `section`.
+
+        Raises InputError if no span has this section.
+        """
+        for number, span in enumerate(self.spans):
+            if (share := span.share_of(section)) is not None:
+                mesh = SectionMesh(self.nodes(number, share), self.mesh.cells, self.mesh.element)
+                return _part(mesh, self.filled(number))
+        raise InputError(f"{section.shape}: the leg has no such section")
+
+
 @memo(16)
-def common_mesh(sections: tuple[Section, ...], divisions: Divisions) -> SectionMesh:
-    """Mesh of the union of `sections`, whose elements belong to a section as a whole or not at all.
+def stepped_sections(spans: tuple[Span, ...], divisions: Divisions) -> SteppedSections:
+    """Common mesh of the sections of a leg with steps, and tapers between them.
 
     `divisions` is the number of elements across the smaller side of the smallest section.
     """
+    sections = [section for span in spans for section in (span.first, span.last)]
     count = min(divisions) if isinstance(divisions, tuple) else divisions
-    size = min(element_length(section, count) for section in sections)
-    if is_round(sections[0]):
-        return _discs(sections, count)
-    lines = zip(*(section_lines(section) for section in sections), strict=True)
+    stretches: _Stretches = tuple(
+        _Stretch(np.zeros(1), np.zeros(1)) for _ in _edges(spans[0].first)
+    )
+    starts, ends, edges = [], [], []
+    for span in spans:
+        first, last = _edges(span.first), _edges(span.last)
+        starts.append(stretches)
+        edges.append([s.inverse(e) for s, e in zip(stretches, first, strict=True)])
+        if span.first != span.last:
+            stretches = tuple(
+                stretch.then(_Stretch(*pair))
+                for stretch, *pair in zip(stretches, first, last, strict=True)
+            )
+        ends.append(stretches)
     gap = _SAME_LINE * max(max(section.extent) for section in sections)
-    ys, zs = (distinct(np.sort(np.concatenate(coordinates)), gap) for coordinates in lines)
+    lines = [distinct(np.sort(np.concatenate(axis)), gap) for axis in zip(*edges, strict=True)]
+    mesh = _mesh_on(lines, sections, count)
+    layout = SteppedSections(mesh, spans, tuple(starts), tuple(ends))
+    kept = np.any([layout.filled(number) for number in range(len(spans))], axis=0)
+    return replace(layout, mesh=_part(mesh, kept))
+
+
+def _edges(section: Section) -> tuple[Array, ...]:
+    """Coordinates y and z of the edges of a section, or its radii with zero as the first."""
+    if not is_round(section):
+        return section_lines(section)
+    rims = [section.diameter / 2.0] if isinstance(section, Circle | Tube) else []
+    inner = [section.inner_diameter / 2.0] if isinstance(section, Tube) else []
+    return (np.array([0.0, *inner, *rims]),)
+
+
+def _mesh_on(lines: list[Array], sections: Sequence[Section], count: int) -> SectionMesh:
+    """Mesh of the whole area between `lines`, the y and z of edges, or radii with zero.
+
+    `count` is the number of elements across the smaller side of the smallest of the `sections`.
+    """
+    size = min(element_length(section, count) for section in sections)
+    if len(lines) == 1:
+        has_core = any(isinstance(section, Circle) for section in sections)
+        return _discs(lines[0][1:], size, count, has_core=has_core)
     if not all(isinstance(section, Rectangle) for section in sections):
-        wall = min(float(np.diff(ys).min()), float(np.diff(zs).min()))
-        size = min(size, WALL_ASPECT * wall)
-    across = ceil(count / 4)
-    grids = [_subdivided(values, size, across) for values in (ys, zs)]
-    mesh = _grid_mesh(*grids)
-    kept = np.any([cells_in(mesh, section) for section in sections], axis=0)
-    return _part(mesh, kept)
+        size = min(size, WALL_ASPECT * min(float(np.diff(values).min()) for values in lines))
+    ys, zs = (_subdivided(values, size, ceil(count / 4)) for values in lines)
+    return _grid_mesh(ys, zs)
 
 
-def cells_in(mesh: SectionMesh, section: Section) -> BoolArray:
-    """Flags (M) of the elements of a common mesh that belong to a section."""
-    # The last node of a nine-node quadrilateral is its middle.
-    y, z = mesh.nodes[mesh.cells[:, 8]].T
+def _stretched(points: Array, stretches: _Stretches) -> Array:
+    """Points (n×2) of a section's plane, moved by its stretches."""
+    if len(stretches) == 2:
+        return np.column_stack([s(points[:, axis]) for axis, s in enumerate(stretches)])
+    radii = np.hypot(*points.T)
+    moved = stretches[0](radii)
+    factors = np.divide(moved, radii, out=np.zeros_like(radii), where=radii > 0.0)
+    return np.asarray(points * factors[:, None])
+
+
+def _is_within(points: Array, section: Section) -> BoolArray:
+    """Flags (n) of the points (n×2) that lie in a section."""
+    y, z = points.T
     match section:
         case Circle() | Tube():
             radii = np.hypot(y, z)
@@ -96,16 +207,9 @@ def cells_in(mesh: SectionMesh, section: Section) -> BoolArray:
             web = _in_box(y, z, section.web, web_height)
             return np.asarray(_in_box(y, z, section.width, section.height) & (flanges | web))
         case OutlinedSection():
-            loops = section.centred_loops
-            return np.array([is_inside(loops, point) for point in np.column_stack([y, z])])
+            return np.array([is_inside(section.centred_loops, point) for point in points])
         case _:
             raise InputError(f"{section.shape}: edges of this shape are not parallel to y and z")
-
-
-def cut(sections: tuple[Section, ...], section: Section, divisions: Divisions) -> SectionMesh:
-    """Mesh of one of the `sections`, cut from their common mesh."""
-    mesh = common_mesh(sections, divisions)
-    return _part(mesh, cells_in(mesh, section))
 
 
 def _in_box(y: Array, z: Array, width: float, height: float) -> BoolArray:
@@ -146,16 +250,13 @@ def _quadrilaterals(across: int, along: int, period: int) -> IntArray:
     return np.column_stack([((column + i) % period + (row + j) * period).ravel() for i, j in steps])
 
 
-def _discs(sections: Sequence[Section], count: int) -> SectionMesh:
-    """Mesh of concentric rings between the rims of circles and tubes, with a core if one is solid.
+def _discs(radii: Array, longest: float, count: int, *, has_core: bool) -> SectionMesh:
+    """Mesh of concentric rings between `radii` (ascending), with a core if `has_core`.
 
-    `count` is the number of elements across the smallest diameter.
+    Elements are at most `longest` (m) along the radius. `count` is the number of elements across
+    the core, and four times the least number between two radii.
     """
-    rims = [s.diameter / 2.0 for s in sections if isinstance(s, Circle | Tube)]
-    rims += [s.inner_diameter / 2.0 for s in sections if isinstance(s, Tube)]
-    radii = distinct(np.sort(np.array(rims)), _SAME_LINE * max(rims))
-    size = 2.0 * min(s.diameter / 2.0 for s in sections if isinstance(s, Circle | Tube)) / count
-    if any(isinstance(section, Circle) for section in sections):
+    if has_core:
         core = section_mesh(Circle(2.0 * float(radii[0])), max(3, count))
         rim = np.flatnonzero(np.hypot(*core.nodes.T) > radii[0] * (1.0 - 1e-6))
         rim = rim[np.argsort(np.arctan2(core.nodes[rim, 1], core.nodes[rim, 0]))]
@@ -163,13 +264,13 @@ def _discs(sections: Sequence[Section], count: int) -> SectionMesh:
         rim = np.roll(rim, 0 if np.isin(rim[0], core.cells[:, :4]) else 1)
         nodes, cells = core.nodes, core.cells
     else:
-        longest = min(size, WALL_ASPECT * float(np.diff(radii).min()))
-        quarter = max(_LEAST_QUARTER, ceil(0.5 * pi * float(radii[0]) / longest))
+        side = min(longest, WALL_ASPECT * float(np.diff(radii).min()))
+        quarter = max(_LEAST_QUARTER, ceil(0.5 * pi * float(radii[0]) / side))
         angles = 2.0 * pi * np.arange(8 * quarter) / (8 * quarter)
         nodes = float(radii[0]) * np.column_stack([np.cos(angles), np.sin(angles)])
         rim, cells = np.arange(len(nodes)), np.zeros((0, 9), dtype=int)
     if len(radii) > 1:
-        layers = _subdivided(radii, size, ceil(count / 4))[1:]
+        layers = _subdivided(radii, longest, ceil(count / 4))[1:]
         directions = nodes[rim] / np.hypot(*nodes[rim].T)[:, None]
         first = len(nodes)
         outer = (layers[:, None, None] * directions).reshape(-1, 2)

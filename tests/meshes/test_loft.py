@@ -1,6 +1,6 @@
 """Solid meshes of legs along a line: volume, walls and ends; legs that cannot be meshed."""
 
-from itertools import pairwise
+from itertools import chain, pairwise
 
 import numpy as np
 import pytest
@@ -133,7 +133,7 @@ def test_mitred_leg_passes_patch_test(shape):
 
 STEPS = {
     "overlapping rectangles": (Rectangle(0.08, 0.06), Rectangle(0.06, 0.08), 2),
-    "box onto solid": (HollowRectangle(0.08, 0.08, 0.008), Rectangle(0.06, 0.06), 2),
+    "box onto solid": (HollowRectangle(0.08, 0.08, 0.008), Rectangle(0.07, 0.06), 2),
     "I onto channel": (ISection(0.08, 0.1, 0.008, 0.006), Channel(0.05, 0.1, 0.008, 0.006), 2),
     "tube onto circle": (Tube(0.06, 0.01), Circle(0.05), 4),
     "tubes": (Tube(0.06, 0.01), Tube(0.05, 0.01), 4),
@@ -156,12 +156,45 @@ def test_stepped_leg_passes_patch_test(step):
     assert motions == pytest.approx(shift(points).reshape(-1, 6), abs=1e-10)
 
 
-def assert_patch(leg, divisions, mass_error):
+TAPERED_STEPS = {
+    # Sections at both ends of each of three tapers.
+    "rectangles": (
+        (Rectangle(0.06, 0.08), Rectangle(0.04, 0.08)),
+        (Rectangle(0.08, 0.06), Rectangle(0.05, 0.09)),
+        (Rectangle(0.03, 0.03), Rectangle(0.06, 0.06)),
+    ),
+    "boxes and I-section": (
+        (HollowRectangle(0.08, 0.1, 0.01), HollowRectangle(0.06, 0.1, 0.01)),
+        (ISection(0.06, 0.1, 0.01, 0.02), ISection(0.08, 0.06, 0.01, 0.02)),
+        (Rectangle(0.06, 0.06), Rectangle(0.05, 0.06)),
+    ),
+    "tubes and shaft": (
+        (Tube(0.06, 0.01), Tube(0.05, 0.01)),
+        (Circle(0.05), Circle(0.04)),
+        (Tube(0.04, 0.01), Tube(0.03, 0.005)),
+    ),
+}
+
+
+@pytest.mark.parametrize("shapes", TAPERED_STEPS)
+def test_steps_between_tapers_pass_patch_test(shapes):
+    """Edges of later sections are lines of the mesh at the root, moved by the tapers between."""
+    sections = list(chain.from_iterable(TAPERED_STEPS[shapes]))
+    stations = zip((0.0, 0.3, 0.3, 0.6, 0.6, 1.0), sections, strict=True)
+    leg = LineLeg(STRAIGHT, tuple(stations), STEEL)
+    is_round = isinstance(sections[0], Tube)
+    # Parabolas instead of arcs.
+    mesh = assert_patch(leg, 4 if is_round else 2, 1e-3 if is_round else 1e-10, 12)
+    for face, section in ((mesh.root, sections[0]), (mesh.tip, sections[-1])):
+        assert np.ptp(face.mesh.nodes, axis=0) == pytest.approx(section.extent, rel=1e-9)
+
+
+def assert_patch(leg, divisions, mass_error, slices=6):
     """Assert that a linear displacement has the energy of its constant stresses. Return the mesh.
 
     `mass_error` is the relative error of the mass of the mesh.
     """
-    mesh = loft(leg, divisions, 6)
+    mesh = loft(leg, divisions, slices)
     stiffness, mass = stiffness_and_mass(mesh, STEEL)
     volume = mass.sum() / STEEL.rho
     assert volume * STEEL.rho == pytest.approx(leg.mass, rel=mass_error)
@@ -186,9 +219,11 @@ def test_unmeshable_leg_along_line_is_refused():
         "the corner at 0.6159 m along the line ends an arc": tapered(ARC_TO_CORNER, square, square),
         "`up` is neither in its plane nor in the plane that": tapered(LEANING, square, square),
         "mitres of corners are longer than": tapered(SHORT, square, square),
-        "steps and tapers has no mesh": stepped(square, small, Rectangle(0.04, 0.03)),
         "a step between rectangle, circle has no mesh": stepped(square, Circle(0.05)),
         "a step between rectangle, polygon has no mesh: not all": stepped(square, triangle[0]),
+        "the step at 0.4 m along the line do not touch": stepped(
+            HollowRectangle(0.06, 0.06, 0.005), small
+        ),
         "independent G": tapered(ARC, square, square, cubic),
         "tapered polygon": tapered(STRAIGHT, *triangle),
     }
@@ -197,4 +232,5 @@ def test_unmeshable_leg_along_line_is_refused():
         with pytest.raises(InputError, match="a leg: "):
             loft(leg, 1, 4)
     assert why_no_loft(tapered(ARC, square, small)) == ""
+    assert why_no_loft(stepped(square, small, Rectangle(0.04, 0.03))) == ""
     assert why_no_loft(tapered(STRAIGHT, square, small, cubic)) == ""

@@ -4,13 +4,13 @@ Input: a leg along a line with corners or steps, and the divisions of its sectio
 changes of its tip compliance and of its frequencies as a beam, by cause. Rule: beam theory
 continues both pieces to the corner of the line, and both sections to a step. In the solid, stresses
 differ from those of beams over about the height of the section (Saint-Venant). The difference is
-therefore computed in a solid of the corner or step alone: two straight stubs of the sections there,
-loaded at their ends as in Saint-Venant's theory, less the beam of both stubs. The result is a 6×6
-compliance in the section there. It depends on these sections alone, so that an error of a model of
-the leg stays unexplained. Distortion of walls reaches beyond the stubs: the change from stubs of
-half the length is a half-width, or the whole result if there is no room for long stubs. Nothing is
-computed for a corner or step that is nearer than a stub to
-the next one or to an end of the leg: the difference is then flagged.
+therefore computed in a solid of the corner or step alone: two straight stubs with the sections of
+the leg there, loaded at their ends as in Saint-Venant's theory, less the beam of both stubs. The
+result is a 6×6 compliance in the section there. It depends on these sections alone, so that an
+error of a model of the leg stays unexplained. Distortion of walls reaches beyond the stubs: the
+change from stubs of half the length is a half-width, or the whole result if there is no room for
+long stubs. Nothing is computed for a corner or step that is nearer than a stub to the next one or
+to an end of the leg: the difference is then flagged.
 """
 
 from dataclasses import dataclass
@@ -181,8 +181,11 @@ def _stub(leg: LineLeg, place: _Place, length: float) -> tuple[LineLeg, Array]:
         (LinePiece((0.0, 0.0, 0.0), middle), LinePiece(middle, (end[0], 0.0, 0.0))),
         _point(np.array(leg.line.up) @ axes),
     )
+    # A step at the end of a stub does not belong to it.
+    inside = length - TOGETHER * leg.line.length
+    root, tip = (leg.section_at(place.position + way) for way in (-length, inside))
     first, second = place.sections
-    stations = ((0.0, first), (length, first), (length, second), (line.length, second))
+    stations = ((0.0, root), (length, first), (length, second), (line.length, tip))
     return LineLeg(line, stations, leg.material, "free", leg.name), axes
 
 

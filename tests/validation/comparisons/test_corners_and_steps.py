@@ -122,6 +122,27 @@ def test_difference_of_step_falls_with_length():
     assert (np.abs(rests[0][others]) < 0.05 * differences[0][others]).all()
 
 
+def test_difference_of_step_between_tapers_falls_with_length():
+    """A taper, a step and a further taper: the step alone explains the difference, as of prisms.
+
+    Doubling the length halves what beam and solid differ by, and a tenth of it is left.
+    """
+    tapers = [Rectangle(width, 0.06) for width in (0.08, 0.06, 0.04, 0.03)]
+    differences = []
+    for length in (0.4, 0.8):
+        line = CentreLine((LinePiece((0.0, 0.0, 0.0), (length, 0.0, 0.0)),), (0.0, 0.0, 1.0))
+        positions = (0.0, 0.5 * length, 0.5 * length, length)
+        leg = LineLeg(line, tuple(zip(positions, tapers, strict=True)), STEEL, "free")
+        beam = computed_tip(leg, 2)
+        solid, change = np.diag(solid_tip(leg, 2)), np.diag(tip_changes(leg, 2)[STEPS])
+        differences.append(solid / np.diag(beam) - 1.0)
+        rest = solid / (np.diag(beam) + change) - 1.0
+        # Bending about z: the step is in the width.
+        assert abs(rest[5]) < 0.15 * abs(differences[-1][5])
+    assert differences[0][5] > 0.005
+    assert np.log2(differences[0][5] / differences[1][5]) == pytest.approx(1.0, abs=0.15)
+
+
 def test_orders_of_corners():
     """Williams: 0.5445 at 270°, ½ for a crack; a flat edge is regular."""
     assert notch_order(1.5 * np.pi) == pytest.approx(2.0 * 0.5445, abs=1e-4)

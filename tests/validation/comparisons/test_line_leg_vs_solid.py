@@ -305,15 +305,15 @@ def test_tapered_column_load_is_between_prisms():
 
 
 def test_exudyn_refuses_tapered_legs():
-    """The message names the legs that EXUDYN supports. Solids refuse steps between tapers."""
+    """The message names the legs that EXUDYN supports. Solids refuse a step to a round section."""
     with pytest.raises(InputError, match="only for straight legs of one section"):
         require_beams(ROBOT.mechanism)
-    thin = {**TAPER[1], "height": 0.03}
-    steps = [TAPER[0], {**TAPER[0], "at": 0.5}, {**TAPER[1], "at": 0.5}, thin]
+    rods = [{"at": at, "shape": "circle", "diameter": 0.03} for at in (0.5, 1.0)]
+    steps = [TAPER[0], {**TAPER[0], "at": 0.5}, *rods]
     robot = boom()
     tables = dict(robot.tables)
     bodies = {"boom": {**tables["bodies"]["boom"], "sections": steps}}
-    with pytest.raises(InputError, match="a leg with steps and tapers has no mesh"):
+    with pytest.raises(InputError, match="a step between rectangle, circle has no mesh"):
         api.solve(robot_of({**tables, "bodies": bodies}), "solid", divisions=1)
 
 
