@@ -205,6 +205,12 @@ def from_zero(axes: "Axes", *, top: float | None = None) -> None:
     axes.set_ylim(0.0, 1.08 * axes.get_ylim()[1] if top is None else 1.15 * top)
 
 
+def with_zero(axes: "Axes") -> None:
+    """Let the y axis contain zero, for values of both signs."""
+    low, high = axes.get_ylim()
+    axes.set_ylim(min(low, 0.0), max(high, 0.0))
+
+
 def largest(curves: Iterable[Array]) -> float:
     """Largest value of all curves. 1 if none is finite, or if it is 0."""
     values = np.concatenate([np.ravel(curve) for curve in curves])

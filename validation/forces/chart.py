@@ -10,7 +10,7 @@ from functools import partial
 import numpy as np
 
 from lumped.arrays import Array
-from validation.drawing.chart import Chart, Panel, Scale, Series, few_ticks, from_zero
+from validation.drawing.chart import Chart, Panel, Scale, Series, few_ticks, from_zero, with_zero
 from validation.forces.results import ForcesUnderLoad, PoseForces, largest_of
 
 # Number of curves in a panel: more cannot be told apart.
@@ -21,10 +21,10 @@ _NEGLIGIBLE = 1e-9
 _DRIVES = {"N": "force of the drive (N)", "N m": "torque of the drive (N m)"}
 _FORCE, _MOMENT = "force in the joint (N)", "moment in the joint (N m)"
 _AXIAL, _STRESS = "axial force in the leg (N)", "largest von Mises stress (MPa)"
-_OVER_POSES: Mapping[str, Scale | None] = {
-    **dict.fromkeys(_DRIVES.values()),
+_OVER_POSES: Mapping[str, Scale] = {
+    **dict.fromkeys(_DRIVES.values(), with_zero),
     **dict.fromkeys((_FORCE, _MOMENT), from_zero),
-    _AXIAL: None,
+    _AXIAL: with_zero,
     _STRESS: from_zero,
 }
 

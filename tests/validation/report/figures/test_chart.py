@@ -23,6 +23,7 @@ from validation.drawing.chart import (
     percent,
     power_ticks,
     short_number,
+    with_zero,
 )
 from validation.drawing.plot import drawn_chart
 from validation.drawing.style import LOOKS, OTHERS, look_key, marker_positions, plot_style
@@ -94,6 +95,16 @@ def test_legend_shows_all_entries_above_axes(names):
     assert box.x1 <= picture.bbox.width
     assert below.y1 <= box.y0 + 2.0  # within the padding of the legend
     assert box.y1 <= picture.bbox.height
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_round_off_of_constant_force_is_not_magnified(sign):
+    """An axial force of 500 N that varies by 1e-5 N: its axis begins at zero."""
+    force = sign * np.array([500.0, 500.0 - 1e-5, 500.0])
+    panel = Panel([series("arm", force, "N (N)")], scale=with_zero)
+    (axes,) = drawn_chart(Chart([panel], "phi (rad)", 1)).axes
+    low, high = sorted(np.abs(axes.get_ylim()))
+    assert (low, high) == (0.0, pytest.approx(500.0, rel=1e-3))
 
 
 def test_bars_stack_away_from_zero():
