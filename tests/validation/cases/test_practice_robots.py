@@ -132,7 +132,7 @@ def test_unsuitable_robots_skip_calculix(robot, reason, monkeypatch):
             case.measure(context)
 
 
-# The runs take a minute each: continuous integration makes one, the soak run all of them.
+# The runs take a minute each: continuous integration makes one, the soak run all others.
 OFTEN = ("leaf-stage", "quick")
 
 
