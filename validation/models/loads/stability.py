@@ -38,7 +38,7 @@ from validation.models.robot_bodies import sectioned_legs, static_assembly
 
 # Elements and modes of a leg. With ten elements the error of the buckling load is 2e-4 for clamped
 # ends and less for others; with 24 modes with clamped ends the error of the reduction is 1e-4. For
-# bent legs 48 modes have this error; it is 3e-3 if both ends are clamped and pieces buckle alone.
+# bent legs 48 modes have this error; it is 5e-3 if both ends are clamped and pieces buckle alone.
 _ELEMENTS, _MODES, _BENT_MODES = 10, 24, 48
 # Relative loss of stiffness, and change of displacement, below which a load gets no note.
 _NEGLIGIBLE = 1e-3

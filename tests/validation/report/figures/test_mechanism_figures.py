@@ -26,7 +26,7 @@ from validation.drawing.chart import chart_table
 from validation.kinematics.poses import postures_of
 from validation.models import reduced_parts
 from validation.models.robot_models import answers, mechanism_modes
-from validation.report.figures import curves, modes, pictures, requested
+from validation.report.figures import curves, loads_and_responses, modes, pictures
 from validation.report.figures.bodies import compared_points, displaced_solids
 from validation.report.figures.mode_names import kinetic_energies, mode_names
 from validation.report.figures.modes import finite_elements, segments
@@ -306,7 +306,7 @@ def test_each_load_has_a_figure_of_forces():
 
     A robot without loads, responses and measured values has no requested figure.
     """
-    assert not requested.figures(load_robot("five-bar"))
+    assert not loads_and_responses.figures(load_robot("five-bar"))
     robot = fp.load(tomllib.loads(load_robot("five-bar").text + LOADS))
     planned = {task.id: task for task in catalogue(robot)}
     names = [name for name in planned if name.startswith("mechanism.forces.")]
