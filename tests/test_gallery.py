@@ -148,7 +148,7 @@ def test_hammer_test_finds_clamped_bar_modes(example):
         assert compared.entry("beam", mode).verdict == "adequate"
 
 
-@pytest.mark.exhaustive
+@pytest.mark.soak
 def test_best_design_is_inside_range(example):
     """Compliances of drive and arm, L²/k + L³/3EI by Euler–Bernoulli, for each width of the arm."""
     designs = example(11)["designs"]

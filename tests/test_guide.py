@@ -40,8 +40,8 @@ EXAMPLES = ROOT / "docs" / "examples"
 PAGES = (ROOT / "README.md", *sorted((ROOT / "docs" / "guide").glob("*.md")))
 # Pages and scripts whose examples take ten seconds and more.
 LONG = {"cross_validation", "measured", "models", "mechanisms", "cases", "paper", "from_python"}
-# Of these the one that takes longest. It repeats what examples/*.ipynb and other tests show.
-LONGEST = "cross_validation"
+# Of these two that take a minute. Tests of the API and docstrings call the same functions.
+LONGEST = ("cross_validation", "from_python")
 BLOCK = re.compile(r"^```(\w+)[ ]?([^\n]*)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 LINK = re.compile(r"\]\(([^)#\s]+)(?:#[^)\s]*)?\)")
 FEW = ["--preset", "quick", "--only", "*.statics?simplified*", "--jobs", "1"]
@@ -52,7 +52,7 @@ def blocks(page: Path) -> list[tuple[str, str, str]]:
 
 
 def long_apart(paths):
-    marks = dict.fromkeys(LONG, pytest.mark.exhaustive) | {LONGEST: pytest.mark.soak}
+    marks = dict.fromkeys(LONG, pytest.mark.exhaustive) | dict.fromkeys(LONGEST, pytest.mark.soak)
     return [
         pytest.param(path, id=path.stem, marks=[marks[path.stem]] if path.stem in marks else [])
         for path in paths
