@@ -27,16 +27,14 @@ from lumped.errors import InputError
 from lumped.legs import LineLeg, Span
 from lumped.line_sections import TOGETHER
 from lumped.sections import (
-    Circle,
     OutlinedSection,
     Section,
-    Tube,
 )
 from meshes.quality import check
 from meshes.section.section_blocks import Divisions, element_length, has_blocks
 from meshes.section.section_mesh import SectionMesh, require_leg, section_mesh
 from meshes.solid_mesh import EndFace, SolidMesh
-from meshes.stepped import is_round, section_lines, stepped_sections, why_no_common_mesh
+from meshes.stepped import is_round, stepped_sections, stretched, why_no_common_mesh
 
 # Rotation (rad) of the axes of the sections at a corner, relative to their mirror image, below
 # which outlines match.
@@ -147,16 +145,17 @@ def loft(leg: LineLeg, divisions: Divisions, slices: int) -> LoftedMesh:
         raise InputError(reason)
     reference = mesh_section(leg)
     require_leg(reference, leg.line.length, divisions)
-    face = section_mesh(reference, divisions)
-
-    def nodes_of_taper(number: int, share: float) -> Array:
-        return stretched(face.nodes, reference, leg.spans[number].section(share))
-
-    nodes_at, filled = nodes_of_taper, np.ones((len(leg.spans), len(face.cells)), dtype=bool)
     if leg.steps:
         common = stepped_sections(leg.spans, divisions)
         face, nodes_at = common.mesh, common.nodes
         filled = np.array([common.filled(number) for number in range(len(leg.spans))])
+    else:
+        face = section_mesh(reference, divisions)
+        filled = np.ones((len(leg.spans), len(face.cells)), dtype=bool)
+
+        def nodes_at(number: int, share: float) -> Array:
+            return stretched(face.nodes, reference, leg.spans[number].section(share))
+
     planes = _planes(leg, nodes_at, slices)
     points, axes = leg.line.frames(planes.positions, planes.pieces)
     nodes = points[:, None] + np.einsum("pij,pnj->pni", axes, planes.places)
@@ -314,21 +313,3 @@ def _why_no_mitre(leg: LineLeg) -> str:
                 f"{span.start:.4g} m and {span.end:.4g} m: give an arc, or use a CAD part"
             )
     return ""
-
-
-def stretched(nodes: Array, reference: Section, section: Section) -> Array:
-    """Nodes (n×2) of a mesh of the section `reference`, moved to a `section` of the same shape."""
-    if section == reference:
-        return nodes
-    if isinstance(reference, Circle | Tube) and isinstance(section, Circle | Tube):
-        radii = np.linalg.norm(nodes, axis=1)
-        rims, new_rims = (
-            [tube.inner_diameter / 2.0, tube.diameter / 2.0] for tube in (reference, section)
-        )
-        new = new_rims[0] + (radii - rims[0]) * (new_rims[1] - new_rims[0]) / (rims[1] - rims[0])
-        factors = np.divide(new, radii, out=np.zeros_like(radii), where=radii > 0.0)
-        return np.asarray(nodes * factors[:, None])
-    lines, new_lines = section_lines(reference), section_lines(section)
-    return np.column_stack(
-        [np.interp(nodes[:, k], lines[k], new_lines[k]) for k in range(nodes.shape[1])]
-    )

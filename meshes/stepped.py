@@ -137,14 +137,11 @@ def stepped_sections(spans: tuple[Span, ...], divisions: Divisions) -> SteppedSe
     )
     starts, ends, edges = [], [], []
     for span in spans:
-        first, last = _edges(span.first), _edges(span.last)
         starts.append(stretches)
-        edges.append([s.inverse(e) for s, e in zip(stretches, first, strict=True)])
+        edges.append([s.inverse(e) for s, e in zip(stretches, _edges(span.first), strict=True)])
         if span.first != span.last:
-            stretches = tuple(
-                stretch.then(_Stretch(*pair))
-                for stretch, *pair in zip(stretches, first, last, strict=True)
-            )
+            taper = _stretches(span.first, span.last)
+            stretches = tuple(s.then(t) for s, t in zip(stretches, taper, strict=True))
         ends.append(stretches)
     gap = _SAME_LINE * max(max(section.extent) for section in sections)
     lines = [distinct(np.sort(np.concatenate(axis)), gap) for axis in zip(*edges, strict=True)]
@@ -156,11 +153,10 @@ def stepped_sections(spans: tuple[Span, ...], divisions: Divisions) -> SteppedSe
 
 def _edges(section: Section) -> tuple[Array, ...]:
     """Coordinates y and z of the edges of a section, or its radii with zero as the first."""
-    if not is_round(section):
+    if not isinstance(section, Circle | Tube):
         return section_lines(section)
-    rims = [section.diameter / 2.0] if isinstance(section, Circle | Tube) else []
-    inner = [section.inner_diameter / 2.0] if isinstance(section, Tube) else []
-    return (np.array([0.0, *inner, *rims]),)
+    rims = {0.0, section.inner_diameter / 2.0, section.diameter / 2.0}
+    return (np.array(sorted(rims)),)
 
 
 def _mesh_on(lines: list[Array], sections: Sequence[Section], count: int) -> SectionMesh:
@@ -176,6 +172,16 @@ def _mesh_on(lines: list[Array], sections: Sequence[Section], count: int) -> Sec
         size = min(size, WALL_ASPECT * min(float(np.diff(values).min()) for values in lines))
     ys, zs = (_subdivided(values, size, ceil(count / 4)) for values in lines)
     return _grid_mesh(ys, zs)
+
+
+def stretched(nodes: Array, reference: Section, section: Section) -> Array:
+    """Nodes (n×2) of a mesh of the section `reference`, moved to a `section` of the same shape."""
+    return nodes if section == reference else _stretched(nodes, _stretches(reference, section))
+
+
+def _stretches(first: Section, last: Section) -> _Stretches:
+    """Stretches from the edges of a section to those of another one of the same shape."""
+    return tuple(_Stretch(*pair) for pair in zip(_edges(first), _edges(last), strict=True))
 
 
 def _stretched(points: Array, stretches: _Stretches) -> Array:

@@ -29,7 +29,7 @@ from lumped.sections import (
     Section,
     Tube,
 )
-from meshes.loft import stretched
+from meshes.stepped import stretched
 from validation.drawing.scene import DARK
 from validation.drawing.style import ORANGE
 from validation.drawing.surfaces import (

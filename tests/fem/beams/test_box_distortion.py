@@ -13,8 +13,9 @@ from fem.sections.wall_frame import mesh_frame_stiffness
 from lumped.centre_line import CentreLine, LinePiece
 from lumped.legs import LineLeg, Material
 from lumped.sections import HollowRectangle
-from meshes.loft import mesh_section, stretched
+from meshes.loft import mesh_section
 from meshes.section.section_mesh import section_mesh
+from meshes.stepped import stretched
 from validation.comparisons.line_leg_vs_solid import computed_tip
 
 ALLOY = Material.isotropic(E=7.0e10, nu=0.3, rho=2700.0)
