@@ -111,13 +111,18 @@ def _direction_faults(joint: JointDraft) -> Iterator[str]:
     yield from _up_faults(joint)
 
 
+def _element_faults(joint: JointDraft, key: str, joint_type: str) -> Iterator[str]:
+    """Faults of the bearing or guide at `key`, which belongs to a joint of type `joint_type`."""
+    if joint.entry.type != joint_type:
+        yield f"{key}: does not belong to a {joint.entry.type} joint; must be a {joint_type} one"
+    for name in specified_keys(joint.entry, "compliance", "stiffness"):
+        yield f"{key}: must be left out if {joint.key}.{name} is given, which it determines"
+
+
 def _guide_faults(joint: JointDraft, guide: GuideEntry) -> Iterator[str]:
     """Faults of a profile rail guide."""
-    key, entry = f"{joint.key}.guide", joint.entry
-    if entry.type != "prismatic":
-        yield f"{key}: does not belong to a {entry.type} joint; must be a prismatic one"
-    for name in specified_keys(entry, "compliance", "stiffness"):
-        yield f"{key}: must be left out if {joint.key}.{name} is given, which it determines"
+    key = f"{joint.key}.guide"
+    yield from _element_faults(joint, key, "prismatic")
     inside = ("balls", "ball_diameter", "spacing", "width", "height")
     faults = [*_catalogue_faults(guide, key, inside, ("contact_angle", "groove", "lines"))]
     yield from faults
@@ -131,17 +136,14 @@ def _guide_faults(joint: JointDraft, guide: GuideEntry) -> Iterator[str]:
         yield from guide_preload_faults(guide, key)
     if guide.spacing and guide.ball_diameter and guide.spacing < guide.ball_diameter:
         yield f"{key}.spacing: must be at least the diameter of the balls"
-    if entry.up is None:
+    if joint.entry.up is None:
         yield f"{joint.key}.up: missing; must be the direction of the normal of {key}"
 
 
 def _bearing_faults(joint: JointDraft, bearing: BearingEntry) -> Iterator[str]:
     """Faults of a ball bearing."""
-    key, entry = f"{joint.key}.bearing", joint.entry
-    if entry.type != "revolute":
-        yield f"{key}: does not belong to a {entry.type} joint; must be a revolute one"
-    for name in specified_keys(entry, "compliance", "stiffness"):
-        yield f"{key}: must be left out if {joint.key}.{name} is given, which it determines"
+    key = f"{joint.key}.bearing"
+    yield from _element_faults(joint, key, "revolute")
     inside = ("balls", "ball_diameter", "pitch_diameter")
     faults = [
         *_catalogue_faults(bearing, key, inside, ("contact_angle", "inner_groove", "outer_groove"))
