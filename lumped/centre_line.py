@@ -92,6 +92,12 @@ class LinePiece:
         return axis * (angle / self.length)
 
 
+def point_of(vector: Array) -> Point:
+    """Coordinates of a position vector (3) as a tuple."""
+    x, y, z = vector.tolist()
+    return x, y, z
+
+
 def straight_line(length: float) -> "CentreLine":
     """Centre line of a straight leg of `length` (m): the x axis."""
     return CentreLine((LinePiece((0.0, 0.0, 0.0), (length, 0.0, 0.0)),), (0.0, 0.0, 1.0))
@@ -184,6 +190,18 @@ class CentreLine:
     def smallest_radius(self) -> float:
         """Radius (m) of the tightest arc. Infinite if the line has no arcs."""
         return min(piece.radius for piece in self.pieces)
+
+    def part(self, start: float, end: float) -> tuple[LinePiece, ...]:
+        """Pieces (leg axes) of the line between two positions (m along the line), in order."""
+        pieces = []
+        for piece, first, last in zip(self.pieces, self.ends, self.ends[1:], strict=False):
+            begin, finish = max(start, float(first)), min(end, float(last))
+            if finish - begin <= _STRAIGHT * self.length:
+                continue
+            shares = (np.linspace(begin, finish, 3) - first) / piece.length
+            root, middle, tip = (point_of(point) for point in piece.at(shares)[0])
+            pieces.append(LinePiece(root, tip, middle if piece.turning.any() else None))
+        return tuple(pieces)
 
     def piece_at(self, positions: Array) -> IntArray:
         """Index of the piece at each of n `positions` (m along the line).

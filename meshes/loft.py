@@ -8,7 +8,9 @@ an arc.
 At a corner of the line, both pieces end in the plane that bisects the corner (a mitre). There the
 nodes are the projection of the section along either piece, since each piece is the mirror image of
 the continuation of the other. The planes of nodes turn gradually from the mitre to the normal of
-the line, while fibres stay straight.
+the line, while fibres stay straight. An arc is continued along its tangent at the corner: its
+fibres leave the circle by κ r²/2 at most, with the curvature κ and the reach r of the mitre, and
+the volume stays that of the line, since all planes are plane and centred on it.
 
 In a leg whose section changes in steps, each section is a part of one mesh (`meshes.stepped`), so
 that the elements on both sides of a step have common nodes.
@@ -234,8 +236,8 @@ def _planes(leg: LineLeg, nodes_at: Callable[[int, float], Array], slices: int) 
         spans += [number] * count
     planes = np.concatenate(positions)
     # A plane between two pieces belongs to the one before it, which meets the next one smoothly or
-    # at a mitre.
-    pieces = np.searchsorted(line.ends, planes, side="left") - 1
+    # at a mitre. Ends of spans equal those of pieces up to round-off.
+    pieces = np.searchsorted(line.ends + TOGETHER * line.length, planes, side="left") - 1
     pieces = np.clip(pieces, 0, len(line.pieces) - 1)
     return _Planes(planes, pieces, np.concatenate(places), spans)
 
@@ -292,8 +294,6 @@ def _why_no_mitre(leg: LineLeg) -> str:
     turnable = is_round(leg.stations[0][1])
     for number in line.turns:
         place = f"the corner at {line.ends[number]:.4g} m along the line"
-        if np.isfinite([line.pieces[number - 1].radius, line.pieces[number].radius]).any():
-            return f"{place} ends an arc, which has no mitre: give a straight piece between them"
         if not turnable and np.abs(rotations[number] - np.eye(2)).max() > _SAME_AXES:
             return (
                 f"the outlines of the sections do not meet at {place}, because `up` is neither in "
@@ -305,9 +305,10 @@ def _why_no_mitre(leg: LineLeg) -> str:
             0.5 * float(slope @ section.extent)
             for slope, section in zip(slopes, (span.first, span.last), strict=True)
         ]
-        if sum(reach) >= span.end - span.start or max(reach) >= _LARGEST_REACH * max(
-            span.first.extent
-        ):
+        # The fibre on the inner side of an arc is shorter than the line.
+        curved = 0.5 * max(span.first.extent) / line.pieces[_piece_of(line, span)].radius
+        inner_length = (span.end - span.start) * (1.0 - curved)
+        if sum(reach) >= inner_length or max(reach) >= _LARGEST_REACH * max(span.first.extent):
             return (
                 f"the mitres of corners are longer than the inner side of the line between "
                 f"{span.start:.4g} m and {span.end:.4g} m: give an arc, or use a CAD part"

@@ -297,3 +297,20 @@ def test_doubled_count_halves_every_element():
             edges = sections.edges(count)
             np.testing.assert_allclose(sections.edges(2 * count)[::2], edges, atol=1e-15)
             assert len(edges) - 1 >= count
+
+
+def test_part_of_line_is_the_line_between_two_positions():
+    """An arc and a straight piece, cut on both sides of their corner."""
+    pieces = (
+        LinePiece((0.0, 0.0, 0.0), (0.6, 0.0, 0.0), (0.3, 0.06, 0.0)),
+        LinePiece((0.6, 0.0, 0.0), (0.6, 0.0, 0.4)),
+    )
+    line = CentreLine(pieces, (0.0, 1.0, 0.0))
+    start, end = line.ends[1] - 0.2, line.ends[1] + 0.1
+    cut = CentreLine(line.part(start, end), line.up)
+    assert cut.ends == pytest.approx([0.0, 0.2, 0.3], rel=1e-12)
+    assert cut.pieces[0].radius == pytest.approx(pieces[0].radius, rel=1e-9)
+    positions = np.linspace(0.0, 0.3, 8)
+    for part, whole in zip(cut.frames(positions), line.frames(start + positions), strict=True):
+        assert part == pytest.approx(whole, abs=1e-12)
+    assert line.part(line.ends[1], line.length) == pieces[1:]

@@ -38,6 +38,17 @@ ARC_TO_CORNER = CentreLine(
     ),
     UP,
 )
+TWO_ARCS = CentreLine(
+    (ARC_TO_CORNER.pieces[0], LinePiece((0.6, 0.0, 0.0), (1.0, 0.0, 0.0), (0.8, 0.03, 0.0))), UP
+)
+# Two arcs of 35 mm radius: the mitre of their corner is longer than their inner fibres.
+TIGHT = CentreLine(
+    (
+        LinePiece((0.0, 0.0, 0.0), (0.05, 0.0, 0.0), (0.025, -0.0105, 0.0)),
+        LinePiece((0.05, 0.0, 0.0), (0.05, 0.05, 0.0), (0.0395, 0.025, 0.0)),
+    ),
+    UP,
+)
 LEANING = CentreLine(BENT.pieces, (0.5, 1.0, 1.0))
 SHORT = CentreLine(
     (
@@ -131,6 +142,20 @@ def test_mitred_leg_passes_patch_test(shape):
     assert_patch(leg, divisions, 3e-3 if shape == "tube" else 1e-10)
 
 
+@pytest.mark.parametrize("line", [ARC_TO_CORNER, TWO_ARCS])
+@pytest.mark.parametrize("section", [Rectangle(0.08, 0.06), Tube(0.06, 0.01)])
+def test_mitred_arc_passes_patch_test(line, section):
+    """The mitre of an arc cuts off as much as it adds, and elements are conforming.
+
+    All planes are plane and centred on the line. The arc has a chord of ten heights.
+    """
+    is_round = isinstance(section, Tube)
+    divisions, error = (4, 3e-3) if is_round else (1, 1e-6)
+    corner = line.corners[0] * (1.0 + 1e-15)
+    stations = ((0.0, section), (corner, section), (line.length, section))
+    assert_patch(LineLeg(line, stations, STEEL), divisions, error, 24)
+
+
 STEPS = {
     "overlapping rectangles": (Rectangle(0.08, 0.06), Rectangle(0.06, 0.08), 2),
     "box onto solid": (HollowRectangle(0.08, 0.08, 0.008), Rectangle(0.07, 0.06), 2),
@@ -216,7 +241,7 @@ def test_unmeshable_leg_along_line_is_refused():
     triangle = [Polygon(((0.0, 0.0), (size, 0.0), (0.0, size))) for size in (0.06, 0.05)]
     reasons = {
         "no shape": tapered(STRAIGHT, constants, constants),
-        "the corner at 0.6159 m along the line ends an arc": tapered(ARC_TO_CORNER, square, square),
+        "mitres of corners are longer than the inner side": tapered(TIGHT, square, square),
         "`up` is neither in its plane nor in the plane that": tapered(LEANING, square, square),
         "mitres of corners are longer than": tapered(SHORT, square, square),
         "a step between rectangle, circle has no mesh": stepped(square, Circle(0.05)),

@@ -4,13 +4,13 @@ Input: a leg along a line with corners or steps, and the divisions of its sectio
 changes of its tip compliance and of its frequencies as a beam, by cause. Rule: beam theory
 continues both pieces to the corner of the line, and both sections to a step. In the solid, stresses
 differ from those of beams over about the height of the section (Saint-Venant). The difference is
-therefore computed in a solid of the corner or step alone: two straight stubs with the sections of
-the leg there, loaded at their ends as in Saint-Venant's theory, less the beam of both stubs. The
-result is a 6×6 compliance in the section there. It depends on these sections alone, so that an
-error of a model of the leg stays unexplained. Distortion of walls reaches beyond the stubs: the
-change from stubs of half the length is a half-width, or the whole result if there is no room for
-long stubs. Nothing is computed for a corner or step that is nearer than a stub to the next one or
-to an end of the leg: the difference is then flagged.
+therefore computed in a solid of the corner or step alone: two stubs along the line, curved if the
+line is, with the sections of the leg there, loaded at their ends as in Saint-Venant's theory, less
+the beam of both stubs. The result is a 6×6 compliance in the section there. It depends on the line
+and the sections there alone, so that an error of a model of the leg stays unexplained. Distortion
+of walls reaches beyond the stubs: the change from stubs of half the length is a half-width, or the
+whole result if there is no room for long stubs. Nothing is computed for a corner or step that is
+nearer than a stub to the next one or to an end of the leg: the difference is then flagged.
 """
 
 from dataclasses import dataclass
@@ -19,7 +19,7 @@ from itertools import pairwise
 import numpy as np
 
 from lumped.arrays import Array
-from lumped.centre_line import CentreLine, LinePiece, Point
+from lumped.centre_line import CentreLine, LinePiece, point_of
 from lumped.legs import LineLeg
 from lumped.line_sections import TOGETHER, gauss_points
 from lumped.mechanism.body_model import LegMatrices
@@ -34,7 +34,7 @@ from validation.solids.solid_legs import mesh_properties
 # Causes of a difference between beam and solid.
 CORNERS = "corners of the line"
 STEPS = "steps of the section"
-SOURCE = "solid of each corner or step with straight stubs, less their beam"
+SOURCE = "solid of each corner or step with stubs of the line, less their beam"
 # Length of a stub over the largest side of its sections. In a solid section, fields decay over the
 # first length to e^-8. Sections with walls distort, which decays more slowly: in frames of square
 # tubes with walls of 1/15 and 1/30 of their side, the first length leaves 1.6 % and 10 % of the
@@ -169,29 +169,32 @@ def _stub(leg: LineLeg, place: _Place, length: float) -> tuple[LineLeg, Array]:
 
     The columns of the axes are in the axes of the leg.
     """
+    pieces = leg.line.part(place.position - length, place.position + length)
+    root, tip = np.array(pieces[0].start), np.array(pieces[-1].end)
+    chord = float(np.linalg.norm(tip - root))
+    along = (tip - root) / chord
     before, after = (axes[:, 0] for axes in place.axes)
-    along = (before + after) / np.linalg.norm(before + after)
-    across = place.axes[0][:, 1]
-    if place.cause == CORNERS:
-        across = np.cross(np.cross(before, after), along)
-        across /= np.linalg.norm(across)
+    normal = np.cross(before, after) if place.cause == CORNERS else place.axes[0][:, 2]
+    across = np.cross(normal, along)
+    across /= np.linalg.norm(across)
     axes = np.column_stack([along, across, np.cross(along, across)])
-    middle, end = (_point(length * tangent @ axes) for tangent in (before, before + after))
     line = CentreLine(
-        (LinePiece((0.0, 0.0, 0.0), middle), LinePiece(middle, (end[0], 0.0, 0.0))),
-        _point(np.array(leg.line.up) @ axes),
+        tuple(_in_axes(piece, root, axes) for piece in pieces),
+        point_of(np.array(leg.line.up) @ axes),
     )
     # A step at the end of a stub does not belong to it.
     inside = length - TOGETHER * leg.line.length
-    root, tip = (leg.section_at(place.position + way) for way in (-length, inside))
+    ends = [leg.section_at(place.position + way) for way in (-length, inside)]
     first, second = place.sections
-    stations = ((0.0, root), (length, first), (length, second), (line.length, tip))
+    stations = ((0.0, ends[0]), (length, first), (length, second), (line.length, ends[1]))
     return LineLeg(line, stations, leg.material, "free", leg.name), axes
 
 
-def _point(vector: Array) -> Point:
-    x, y, z = vector.tolist()
-    return x, y, z
+def _in_axes(piece: LinePiece, origin: Array, axes: Array) -> LinePiece:
+    """Piece of a line in axes (3×3, columns) about an `origin` (3, in m)."""
+    start, end = (point_of((np.array(point) - origin) @ axes) for point in (piece.start, piece.end))
+    through = None if piece.through is None else point_of((np.array(piece.through) - origin) @ axes)
+    return LinePiece(start, end, through)
 
 
 def tip_changes(leg: LineLeg, divisions: int) -> dict[str, Array]:

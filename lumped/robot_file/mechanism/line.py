@@ -12,7 +12,7 @@ from itertools import pairwise
 import numpy as np
 
 from lumped.arrays import Array
-from lumped.centre_line import SMALLEST_SINE, CentreLine, LinePiece, Point
+from lumped.centre_line import SMALLEST_SINE, CentreLine, LinePiece, Point, point_of
 from lumped.errors import InputError
 from lumped.line_sections import TOGETHER
 from lumped.mechanism.length_unit import UnitOfLength
@@ -78,7 +78,7 @@ def leg_line(
     except InputError:
         # Reported as a fault of `to` or `up`.
         return None
-    positions = [_triple(frame.rotation.T @ (stop.position - frame.position)) for stop in stops]
+    positions = [point_of(frame.rotation.T @ (stop.position - frame.position)) for stop in stops]
     chord = float(np.linalg.norm(stops[-1].position - stops[0].position))
     positions[-1] = (chord, 0.0, 0.0)
     faults = _stop_faults(stops, unit)
@@ -86,7 +86,7 @@ def leg_line(
         return LegLine(None, None, tuple(faults))
     up = _up(body)
     direction = default_up(frame.rotation[:, 0]) if up is None else up
-    line = CentreLine(_pieces(stops, positions), _triple(frame.rotation.T @ direction))
+    line = CentreLine(_pieces(stops, positions), point_of(frame.rotation.T @ direction))
     names_on_line = _named_positions(stops, line)
     stations, faults = _stations(body, line, names_on_line, key)
     faults += [*_arc_faults(stops, line, unit), *_up_faults(body, line, frame.rotation, key)]
@@ -114,11 +114,6 @@ def _misplaced_keys(body: BodyEntry, names: Sequence[str], key: str) -> list[str
 
 def _up(body: BodyEntry) -> Array | None:
     return None if body.up is None else np.array(body.up)
-
-
-def _triple(vector: Array) -> Point:
-    x, y, z = vector.tolist()
-    return x, y, z
 
 
 def _stops(body: BodyEntry, points: Mapping[str, Array], key: str) -> list[_Stop] | None:
