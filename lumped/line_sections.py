@@ -39,7 +39,7 @@ torsion, and of other tapers that shrink more in one direction than in the other
 order.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache, cached_property
 
 import numpy as np
@@ -47,6 +47,7 @@ from numpy.polynomial import chebyshev, legendre
 
 from lumped.arrays import Array, IntArray, distinct
 from lumped.centre_line import CentreLine
+from lumped.errors import ComputationError
 from lumped.screws import shift, skew, turn
 from lumped.tapers import NODES, TAPER
 
@@ -127,17 +128,84 @@ class SectionField:
 
 
 @dataclass(frozen=True, eq=False)
+class LocalChange:
+    """Change of flexibility and mass of all sections between `start` and `end` (m along the line).
+
+    `factor` (6×6) multiplies the strains of the sections, referred to `point` (3, in m, leg axes).
+    `first_moment` (3, in kg, leg axes) is a first moment of mass about the point, per length.
+    """
+
+    start: float
+    end: float
+    point: Array
+    factor: Array
+    first_moment: Array
+
+    def apply(self, field: SectionField, positions: Array) -> SectionField:
+        """Sections at n `positions` (m along the line) with this change."""
+        inside = (positions > self.start) & (positions < self.end)
+        to_point = shift(self.point - field.points[inside])
+        to_section = shift(field.points[inside] - self.point)
+        factor = to_section @ self.factor @ to_point
+        coupling = np.zeros((6, 6))
+        coupling[3:, :3] = skew(self.first_moment)
+        coupling[:3, 3:] = -coupling[3:, :3]
+        strains, flexibility, mass = (
+            field.strains.copy(),
+            field.flexibility.copy(),
+            field.mass.copy(),
+        )
+        strains[inside] = factor @ strains[inside]
+        flexibility[inside] = factor @ flexibility[inside] @ np.swapaxes(factor, 1, 2)
+        mass[inside] += np.swapaxes(to_point, 1, 2) @ coupling @ to_point
+        return replace(field, strains=strains, flexibility=flexibility, mass=mass)
+
+
+@dataclass(frozen=True, eq=False)
 class LineSections:
     """Sections of a leg along its centre line.
 
     `ends` (k+1 values, in m along the line) are the ends of the k spans. `values` (k×p×28) are the
     section constants named in `FIELDS` and `FURTHER`, at p points of each span. The points are at
-    the fractions `lumped.tapers.NODES` of the span.
+    the fractions `lumped.tapers.NODES` of the span. `changes` are those of flexibility and mass
+    near points of the line, in the order in which they apply.
     """
 
     line: CentreLine
     ends: Array
     values: Array
+    changes: tuple[LocalChange, ...] = ()
+
+    @cached_property
+    def breaks(self) -> Array:
+        """Positions (m along the line) between which sections vary smoothly, from 0 to its end."""
+        limits = [(change.start, change.end) for change in self.changes]
+        positions = np.sort(np.concatenate([self.ends, *limits]))
+        return np.asarray(distinct(positions, TOGETHER * self.line.length))
+
+    def changed(
+        self, limits: tuple[float, float], point: Array, compliance: Array, first_moment: Array
+    ) -> "LineSections":
+        """Sections with an additional `compliance` (6×6, SI, leg axes) at a `point` of the line.
+
+        The compliance is the twist, referred to the point, under a unit wrench on it. It is spread
+        over the line between the `limits` (m along the line), whose compliance is R there: with
+        R = S Sᵀ, the factor S (1 + S⁻¹ C S⁻ᵀ)^½ S⁻¹ on all strains makes it R + C. No flexibility
+        becomes negative, even if C is. `first_moment` (3, in kg m) is the additional first moment
+        of mass about the point. Raises ComputationError if R + C is not positive definite.
+        """
+        start, end = limits
+        (own,) = self.compliances(np.array(limits), point[None])
+        root = np.linalg.cholesky(own)
+        inverse = np.linalg.inv(root)
+        ratios, directions = np.linalg.eigh(np.eye(6) + inverse @ compliance @ inverse.T)
+        if ratios[0] <= 0.0:
+            raise ComputationError(
+                "the compliance of a corner or step exceeds that of the leg around it"
+            )
+        factor = root @ (directions * np.sqrt(ratios)) @ directions.T @ inverse
+        change = LocalChange(start, end, point, factor, first_moment / (end - start))
+        return replace(self, changes=(*self.changes, change))
 
     @cached_property
     def _coefficients(self) -> Array:
@@ -169,20 +237,23 @@ class LineSections:
     def edges(self, elements: int) -> Array:
         """Ends (m along the line) of about `elements` elements, each of which lies within one span.
 
-        The number of elements in a span is proportional to its length and rounded up. It is rounded
-        for a count that is halved as often as possible, so that twice as many `elements` halve
-        every element from one element for each span on. Orders of convergence require this.
+        Limits of local changes divide spans, too. The number of elements in a span is proportional
+        to its length and rounded up. It is rounded for a count that is halved as often as possible,
+        so that twice as many `elements` halve every element from one element for each span on.
+        Orders of convergence require this.
         """
-        lengths, halvings = np.diff(self.ends), 1
+        lengths, halvings = np.diff(self.breaks), 1
         while elements % (2 * halvings) == 0 and elements // (2 * halvings) >= len(lengths):
             halvings *= 2
-        shares = lengths / self.ends[-1]
+        shares = lengths / self.breaks[-1]
         counts = halvings * np.ceil(elements // halvings * shares - TOGETHER).astype(int)
         pieces = [
             start + length * np.arange(count) / count
-            for start, length, count in zip(self.ends, lengths, np.maximum(counts, 1), strict=False)
+            for start, length, count in zip(
+                self.breaks, lengths, np.maximum(counts, 1), strict=False
+            )
         ]
-        return np.concatenate([*pieces, self.ends[-1:]])
+        return np.concatenate([*pieces, self.breaks[-1:]])
 
     def along(self, edges: Array) -> SectionField:
         """Sections at the Gauss points (e×GAUSS) of the e elements between `edges` (e+1, in m).
@@ -267,7 +338,7 @@ class LineSections:
         moment[:, 2] = -curvature_y * rows["rho_Iyz"] - curvature_z * rows["rho_Iy"]
         mass[:, 3:, :3] = skew(moment)
         mass[:, :3, 3:] = -mass[:, 3:, :3]
-        return SectionField(
+        field = SectionField(
             points=points,
             strains=strains,
             flexibility=strains @ local @ np.swapaxes(strains, 1, 2),
@@ -275,6 +346,9 @@ class LineSections:
             mass=to_axes @ mass @ np.swapaxes(to_axes, 1, 2),
             rigid=rigid,
         )
+        for change in self.changes:
+            field = change.apply(field, positions)
+        return field
 
     def compliances(self, edges: Array, origins: Array) -> Array:
         """Compliances (k×6×6, SI) of the k pieces between `edges`.
@@ -291,7 +365,7 @@ class LineSections:
         return self._integrals(edges, origins, mass=True)
 
     def _integrals(self, edges: Array, origins: Array, *, mass: bool) -> Array:
-        inner = self.ends[(self.ends > edges[0]) & (self.ends < edges[-1])]
+        inner = self.breaks[(self.breaks > edges[0]) & (self.breaks < edges[-1])]
         all_edges = np.sort(np.concatenate([edges, inner]))
         all_edges = distinct(all_edges, TOGETHER * self.line.length)
         owner = np.clip(
@@ -315,6 +389,6 @@ class LineSections:
         """6×6 compliance (SI, leg axes) at the tip with the root clamped."""
         tip = np.array([[self.line.chord, 0.0, 0.0]])
         # Elements halve the taper within the reach of one quadrature.
-        fine = self.edges(4 * (len(self.ends) - 1))
+        fine = self.edges(4 * (len(self.breaks) - 1))
         tips = np.repeat(tip, len(fine) - 1, axis=0)
         return np.asarray(self.compliances(fine, tips).sum(axis=0))

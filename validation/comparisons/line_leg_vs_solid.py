@@ -238,7 +238,7 @@ def _on_solid_mesh(leg: LineLeg, divisions: int) -> Callable[[ConstantLeg], Sect
     return lambda prism: solid_section(leg, prism.section, divisions)
 
 
-def _computed(leg: LineLeg, divisions: int) -> LineSections:
+def computed_along(leg: LineLeg, divisions: int) -> LineSections:
     """Sections along a leg with constants by finite elements, on the mesh of its solid.
 
     Beam and solid then share the errors of one section mesh.
@@ -253,7 +253,7 @@ def _computed(leg: LineLeg, divisions: int) -> LineSections:
 
 def computed_tip(leg: LineLeg, divisions: int) -> Array:
     """Tip compliance (6×6, SI) of the beam with section constants by finite elements."""
-    return _computed(leg, divisions).tip_compliance
+    return computed_along(leg, divisions).tip_compliance
 
 
 @memo(8)
@@ -387,4 +387,4 @@ def _flange_change(leg: LineLeg, divisions: int, index: int) -> float:
 
 @memo(8)
 def _computed_beam(leg: LineLeg, divisions: int) -> LegMatrices:
-    return line_beam(_computed(leg, divisions), ELEMENTS)
+    return line_beam(computed_along(leg, divisions), ELEMENTS)

@@ -226,7 +226,7 @@ def robot_modes(
         distortion.append(np.where(numbers >= 0, by_waves[numbers], np.nan))
 
     def warping(hold: Holds) -> Array:
-        return partner(computed_beam_vibration((posture,), meshes.fine, hold, count))[0]
+        return partner(computed_beam_vibration((posture,), meshes.fine, hold, None, count))[0]
 
     def by_formula(side: int) -> Array:
         beams = {

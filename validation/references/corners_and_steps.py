@@ -21,7 +21,7 @@ import numpy as np
 from lumped.arrays import Array
 from lumped.centre_line import CentreLine, LinePiece, point_of
 from lumped.legs import LineLeg
-from lumped.line_sections import TOGETHER, gauss_points
+from lumped.line_sections import TOGETHER, LineSections, gauss_points
 from lumped.mechanism.body_model import LegMatrices
 from lumped.memo import memo
 from lumped.models.bodies import clamped_modes
@@ -49,15 +49,17 @@ _ELEMENTS = 20
 class Jump:
     """Corner or step at `position` (m along the line) and `point` (3, in m, leg axes).
 
-    `cause` is `CORNERS` or `STEPS`. `compliance` (6×6, SI, leg axes) is the relative twist of both
-    sides, less that of beams, under a wrench that the section there transmits. `beyond_stubs` (6×6)
-    bounds what the length of the stubs leaves out. `first_moment` (3, in kg m, leg axes) is the
-    first moment of the solid's mass about the point, less that of the line.
+    `cause` is `CORNERS` or `STEPS`, `stub` (m) the length of each stub. `compliance` (6×6, SI, leg
+    axes) is the relative twist of both sides, less that of beams, under a wrench that the section
+    there transmits. `beyond_stubs` (6×6) bounds what the length of the stubs leaves out.
+    `first_moment` (3, in kg m, leg axes) is the first moment of the solid's mass about the point,
+    less that of the line.
     """
 
     cause: str
     position: float
     point: Array
+    stub: float
     compliance: Array
     beyond_stubs: Array
     first_moment: Array
@@ -90,20 +92,21 @@ def jumps(leg: LineLeg, divisions: int) -> list[Jump]:
     described = []
     for place, room in zip(places, rooms, strict=True):
         side = max(max(section.extent) for section in place.sections)
-        if room < _STUB * side * (1.0 - TOGETHER):
+        stub = _STUB * side
+        if room < stub * (1.0 - TOGETHER):
             continue
         point, _ = leg.line.frames(np.array([place.position]))
-        compliance = _lacking(leg, place, _STUB * side, divisions)
+        compliance = _lacking(leg, place, stub, divisions)
         beyond_stubs = np.zeros((6, 6))
         if not all(isinstance(section, Rectangle | Circle) for section in place.sections):
-            length = min(room, _WALLED_STUB * side)
-            short, compliance = compliance, _lacking(leg, place, length, divisions)
+            stub = min(room, _WALLED_STUB * side)
+            short, compliance = compliance, _lacking(leg, place, stub, divisions)
             # Distortion at least halves over two heights.
-            is_long = length >= _WALLED_STUB * side * (1.0 - TOGETHER)
+            is_long = stub >= _WALLED_STUB * side * (1.0 - TOGETHER)
             beyond_stubs = compliance - short if is_long else compliance
         moment = _first_moment(leg, place)
         described.append(
-            Jump(place.cause, place.position, point[0], compliance, beyond_stubs, moment)
+            Jump(place.cause, place.position, point[0], stub, compliance, beyond_stubs, moment)
         )
     return described
 
@@ -208,6 +211,21 @@ def tip_changes(leg: LineLeg, divisions: int) -> dict[str, Array]:
         change = _at_tip(leg, jump, jump.compliance)
         changes[jump.cause] = changes.get(jump.cause, np.zeros((6, 6))) + change
     return changes
+
+
+def sections_with_jumps(sections: LineSections, leg: LineLeg, divisions: int) -> LineSections:
+    """Sections along a leg with the compliance and the mass of its corners and steps.
+
+    Both are spread over the stubs of each corner or step. `divisions` is the number of elements
+    across the section.
+    """
+    for jump in jumps(leg, divisions):
+        limits = (
+            max(0.0, jump.position - jump.stub),
+            min(leg.line.length, jump.position + jump.stub),
+        )
+        sections = sections.changed(limits, jump.point, jump.compliance, jump.first_moment)
+    return sections
 
 
 def tip_half_widths(leg: LineLeg, divisions: int) -> Array:

@@ -22,11 +22,13 @@ from validation.models.loads.leg_masses import plausible_insides
 from validation.models.options import ModelOptions
 from validation.models.robot_models import modes_along
 from validation.parts.meshes import MIDDLE
+from validation.references.corners_and_steps import CORNERS, SOURCE, STEPS, has_jumps
 from validation.references.model_ladder import (
     COMPUTED_BEAMS,
     PART_STEPS,
     SOLID,
     WARPING_BEAMS,
+    WITH_JUMPS,
     formulation_modes,
 )
 from validation.references.modes_on_path import modes_of_solids, solid_meshes
@@ -162,6 +164,8 @@ def modal_steps(robot: RobotOnPath, beam: Model, segments: Model) -> dict[str, S
         applicable.add("modes inside")
     if robot.prisms and not robot.given:
         applicable |= set(MODES_TO_SOLIDS)
+    if not any(has_jumps(leg) for leg in robot.prisms):
+        applicable.discard("jumps")
     return {name: steps[name] for name in applicable}
 
 
@@ -192,7 +196,7 @@ def all_modal_steps(beam: Model, segments: Model) -> dict[str, Step]:
             Model("solids on a coarser mesh", modes=_on_middle_mesh),
         ),
         # Steps from textbook section constants to computed ones, then to restrained warping if ends
-        # are rigid.
+        # are rigid, then to corners and steps as solids.
         "own": Step(
             "section constants by textbook formulas",
             "fem.sections.section_constants, beam elements",
@@ -203,6 +207,7 @@ def all_modal_steps(beam: Model, segments: Model) -> dict[str, Step]:
             "beams with Reissner's torsion and the warping constant Γ of the section",
             WARPING_BEAMS,
         ),
+        "jumps": Step(f"{CORNERS}, {STEPS}", SOURCE, WITH_JUMPS),
     }
 
 
@@ -227,6 +232,6 @@ _DISCRETE = f"discretisation (n = {ELEMENTS})"
 _OF_BEAMS = ("drives", "shear of segments", "shear of beams", "twice as many", "beams")
 # Names of steps in `all_modal_steps`: from textbook section constants to solids, from beams and
 # from segments to solids.
-MODES_TO_SOLIDS = ("own", "warping")
+MODES_TO_SOLIDS = ("own", "warping", "jumps")
 MODES_FROM_BEAMS = (*PART_STEPS, *MODES_TO_SOLIDS)
 MODES_FROM_SEGMENTS = ("twice as many", "beams", *MODES_FROM_BEAMS)

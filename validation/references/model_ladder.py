@@ -21,7 +21,7 @@ from lumped.legs import Leg, LineLeg, given_compliance
 from lumped.mechanism.mechanism import Posture
 from lumped.model_choices import Ends, PartLegs
 from lumped.models import serial_chains
-from validation.context import Context
+from validation.context import Context, Preset
 from validation.models.loads.solid_lines import solid_line_wrenches
 from validation.models.loads.statics import (
     by_chains,
@@ -199,18 +199,25 @@ def _warping_modes(robot: RobotOnPath, reading: Reading) -> PathModes:
     return _beam_modes(robot, reading.ends, reading)
 
 
-def _beam_modes(robot: RobotOnPath, ends: Holds | None, reading: Reading) -> PathModes:
+def _modes_with_jumps(robot: RobotOnPath, reading: Reading) -> PathModes:
+    return _beam_modes(robot, reading.ends, reading, robot.context.meshes)
+
+
+def _beam_modes(
+    robot: RobotOnPath, ends: Holds | None, reading: Reading, preset: Preset | None = None
+) -> PathModes:
     """Modes by beams whose section constants are computed on the mesh `reading.section_mesh`.
 
     1 is the fine section mesh, 0 the section mesh of the reference's solids. `ends`: end condition
-    by body name; warping is restrained at rigid ends. If `ends` is None, warping is free.
+    by body name; warping is restrained at rigid ends. If `ends` is None, warping is free. `preset`
+    selects the solids of corners and steps. If it is None, beams are without them.
     """
     mesh = COMPUTED_SECTIONS
     if not reading.section_mesh:
         fine = solid_meshes(robot.context.meshes).fine
         mesh = fine._replace(walls=max(fine.walls, COARSEST_WALLS))
     return robot.context.get(
-        computed_beam_vibration, robot.postures, mesh, ends, robot.computed_count
+        computed_beam_vibration, robot.postures, mesh, ends, preset, robot.computed_count
     )
 
 
@@ -246,9 +253,14 @@ RESTRAINED = Model(
     statics=partial(_spring_statics, restrained_spring),
     static_fields=("ends",),
 )
-# The same beams, with the compliance of a solid at corners and steps.
+# Beams with the compliance and the mass of solids at corners and steps: in statics those of
+# `RESTRAINED`, in modes those of `WARPING_BEAMS`.
 WITH_JUMPS = Model(
-    "corners and steps", statics=partial(_spring_statics, _with_jumps), static_fields=("ends",)
+    "corners and steps",
+    statics=partial(_spring_statics, _with_jumps),
+    modes=_modes_with_jumps,
+    static_fields=("ends",),
+    modal_fields=("ends", "section_mesh"),
 )
 # Three models with one tip compliance per leg: the 6×6 of the file; this 6×6 with only the entries
 # that a straight prismatic leg has; the 6×6 of the equivalent prism.

@@ -13,11 +13,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from fem.beams.line_beam import line_beam
 from fem.reduction.craig_bampton import craig_bampton
 from fem.reduction.superelement import held_leg
 from lumped.arrays import Array
 from lumped.equivalent_leg import sectioned_leg
-from lumped.legs import GivenLeg, Leg, SectionedLeg
+from lumped.legs import GivenLeg, Leg, LineLeg, SectionedLeg
 from lumped.mechanism.body_model import BodyModel, LegMatrices
 from lumped.mechanism.mechanism import Posture
 from lumped.memo import memo
@@ -35,8 +36,14 @@ from validation.models.robot_models import (
     with_dynamic_bodies,
     with_enough_modes,
 )
+from validation.references.corners_and_steps import sections_with_jumps
 from validation.references.mode_samples import Samples, samples_of
-from validation.references.reference_legs import SECTION_DIVISIONS, computed_elements
+from validation.references.reference_legs import (
+    SECTION_DIVISIONS,
+    computed_elements,
+    computed_sections,
+    line_divisions,
+)
 from validation.references.reference_parts import Bodies, condensed_parts, solid_parts
 from validation.references.robot_on_path import Holds, Reading, RobotOnPath, known_legs
 from validation.responses.statics_and_modes import PathModes
@@ -231,22 +238,32 @@ def _reduced_solid(
 
 
 def computed_beam_vibration(
-    postures: tuple[Posture, ...], mesh: LegMesh, ends: Holds | None, count: int
+    postures: tuple[Posture, ...],
+    mesh: LegMesh,
+    ends: Holds | None,
+    preset: Preset | None,
+    count: int,
 ) -> PathModes:
     """Modes in each posture by beams whose section constants are computed on `mesh`.
 
     `ends`: end condition by body name; warping is restrained at rigid ends. If `ends` is None,
-    warping is free at all ends.
+    warping is free at all ends. `preset` selects the solids from which compliance and mass of
+    corners and steps are taken. If it is None, beams are without them.
     """
     mechanism = postures[0].mechanism
-    build = partial(_computed_leg, mesh=mesh, warping=ends is not None)
+    build = partial(_computed_leg, mesh=mesh, warping=ends is not None, preset=preset)
     hold: Holds = ends or dict.fromkeys(known_legs(mechanism), "rigid")
     return built_vibration(postures, build, condensed_parts(mechanism), hold, count)
 
 
 def _computed_leg(
-    leg: Leg, ends: Ends, highest: float, *, mesh: LegMesh, warping: bool
+    leg: Leg, ends: Ends, highest: float, *, mesh: LegMesh, warping: bool, preset: Preset | None
 ) -> LegMatrices:
     divisions = mesh.divisions(sectioned_leg(leg))
-    elements = computed_elements(leg, ends if warping else None, ELEMENTS, divisions)
+    if preset is not None and isinstance(leg, LineLeg):
+        sections = computed_sections(leg, divisions)
+        solid_divisions = line_divisions(preset, leg)[1]
+        elements = line_beam(sections_with_jumps(sections, leg, solid_divisions), ELEMENTS)
+    else:
+        elements = computed_elements(leg, ends if warping else None, ELEMENTS, divisions)
     return craig_bampton(held_leg(elements), highest, CUTOFF["beam"] * highest).matrices

@@ -5,28 +5,35 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from fem.beams.line_beam import line_beam
 from fem.bodies.solid import clamped_leg, section_twists, solid_leg, solid_mesh
 from fem.couplings.grips import rigid_motions
 from lumped.acceptance.requirement import DEFAULT_LIMITS
 from lumped.centre_line import CentreLine, LinePiece
 from lumped.legs import ConstantLeg, LineLeg, Material, given_compliance
+from lumped.models.bodies import clamped_modes
 from lumped.robot_file.load import robot_of
-from lumped.screws import shift
+from lumped.screws import shift, skew
 from lumped.sections import HollowRectangle, Rectangle
 from validation.comparisons import line_leg_vs_solid
-from validation.comparisons.line_leg_vs_solid import cases, computed_tip
+from validation.comparisons.line_leg_vs_solid import cases, computed_along, computed_tip
 from validation.context import Context
 from validation.models.leg_models import leg_compliance
 from validation.references.corners_and_steps import (
     CORNERS,
     STEPS,
     jumps,
+    sections_with_jumps,
     tip_changes,
     tip_half_widths,
 )
+from validation.references.modal_reference import modal_steps
+from validation.references.model_ladder import SOLID, WARPING_BEAMS, WITH_JUMPS
+from validation.references.robot_on_path import robot_on_path
 from validation.report.figures.loads_and_responses import figures
 from validation.run.outcome import judge
 from validation.solids.leg_meshes import formal_order, notch_order
+from validation.solids.solid_legs import line_frequencies
 
 STEEL = Material.isotropic(E=2.1e11, nu=0.3, rho=7850.0)
 SECTION = Rectangle(0.06, 0.06)
@@ -133,8 +140,8 @@ def test_difference_of_step_between_tapers_falls_with_length():
         line = CentreLine((LinePiece((0.0, 0.0, 0.0), (length, 0.0, 0.0)),), (0.0, 0.0, 1.0))
         positions = (0.0, 0.5 * length, 0.5 * length, length)
         leg = LineLeg(line, tuple(zip(positions, tapers, strict=True)), STEEL, "free")
-        beam = computed_tip(leg, 2)
-        solid, change = np.diag(solid_tip(leg, 2)), np.diag(tip_changes(leg, 2)[STEPS])
+        beam = computed_tip(leg, 1)
+        solid, change = np.diag(solid_tip(leg, 1)), np.diag(tip_changes(leg, 1)[STEPS])
         differences.append(solid / np.diag(beam) - 1.0)
         rest = solid / (np.diag(beam) + change) - 1.0
         # Bending about z: the step is in the width.
@@ -270,6 +277,47 @@ def test_corner_explains_no_wrong_stiffness(robot, wrong, name, monkeypatch):
 
     monkeypatch.setattr(line_leg_vs_solid, "leg_compliance", compliance)
     assert outcome_of(robot, f"beam-solid-{name}", "standard").verdict == "disagree"
+
+
+@pytest.mark.parametrize("section", [SECTION, HollowRectangle(0.06, 0.06, 0.004)])
+def test_beam_with_corner_vibrates_as_solid(section):
+    """The corner's compliance over its stubs: statics exactly, frequencies as those of the solid.
+
+    The beam alone has frequencies 12.7 % below and 8 % above those of the two solids.
+    """
+    leg = bent(0.3, 90.0, section)
+    beam_sections = computed_along(leg, 1)
+    sections = sections_with_jumps(beam_sections, leg, 1)
+    tip = beam_sections.tip_compliance + tip_changes(leg, 1)[CORNERS]
+    assert sections.tip_compliance == pytest.approx(tip, rel=1e-9, abs=1e-12 * np.abs(tip).max())
+    beam, with_corner = (
+        clamped_modes(line_beam(along, 20), 4).frequencies for along in (beam_sections, sections)
+    )
+    solid = line_frequencies(leg, 1, "free", line_beam(beam_sections, 20), 4)
+    assert np.abs(solid / beam - 1.0).max() > 0.07
+    assert np.abs(solid / with_corner - 1.0).max() < 2.5e-3
+    # The mass beside the line is the same for both.
+    ends = np.array([0.0, leg.line.length])
+    (difference,) = sections.masses(ends, np.zeros((1, 3))) - beam_sections.masses(
+        ends, np.zeros((1, 3))
+    )
+    (jump,) = jumps(leg, 1)
+    assert difference[:3, :3] == pytest.approx(0.0, abs=1e-12)
+    assert difference[3:, :3] == pytest.approx(skew(jump.first_moment), abs=1e-12)
+
+
+def test_corner_is_step_to_modes_of_solid_robot():
+    """The corner explains the robot's frequencies up to 0.5 %, of which its beams lack 6 %."""
+    body = {**ARCHED.tables["bodies"]["frame"], "ends": "free"}
+    context = Context(robot_of({**ARCHED.tables, "bodies": {"frame": body}}), "quick")
+    robot = robot_on_path(context)
+    beam, jump, solid = (
+        model.modes(robot, robot.first_reading).frequencies[0, :4]
+        for model in (WARPING_BEAMS, WITH_JUMPS, SOLID)
+    )
+    assert "jumps" in modal_steps(robot, WITH_JUMPS, WITH_JUMPS)
+    assert np.abs(solid / beam - 1.0).max() > 0.05
+    assert np.abs(solid / jump - 1.0).max() < 5e-3
 
 
 def test_leg_in_single_pose_has_force_figure():
