@@ -29,11 +29,9 @@ from lumped.errors import ComputationError
 from lumped.legs import Material
 from lumped.memo import memo
 from meshes.elements import ELEMENTS
+from meshes.reentrant_edges import SHARP
 from meshes.section.section_mesh import SectionMesh
 from meshes.shape_functions import gradients
-
-# Angle (rad) above π from which a corner is re-entrant: meshes of arcs have π within 1e-3.
-_REENTRANT = 0.02
 
 
 @dataclass(frozen=True, eq=False)
@@ -145,7 +143,7 @@ def reentrant_corners(mesh: SectionMesh) -> Array:
     rim = rim_edges(mesh)
     on_rim = np.zeros(len(mesh.nodes), dtype=bool)
     on_rim[rim.ravel()] = True
-    return np.asarray(mesh.nodes[on_rim & (_angles(mesh) > pi + _REENTRANT)])
+    return np.asarray(mesh.nodes[on_rim & (_angles(mesh) > pi + SHARP)])
 
 
 def apart_from(corners: Array, points: Array, distance: float) -> Array:

@@ -19,18 +19,20 @@ from fem.bodies.rooted import RootedBody
 from fem.bodies.solid import clamped_leg, solid_leg, solid_mesh
 from fem.bodies.stresses import COMPONENTS, away_from, nodal_stresses, von_mises
 from fem.elasticity import on_three_components
-from fem.sections.stresses import regular_nodes
+from fem.sections.stresses import rim_edges
 from lumped.arrays import Array, IntArray, SparseMatrix
 from lumped.errors import InputError
-from lumped.legs import ConstantLeg, Material
+from lumped.legs import LineLeg, Material, SectionedLeg
 from lumped.mechanism.body import Body
 from lumped.mechanism.kinematics.accelerations import REST, Motion, accelerations
 from lumped.mechanism.load import Load
 from lumped.mechanism.mechanism import Mechanism, Posture
 from meshes.elements import ELEMENTS
-from meshes.part.boundary import PartMesh
+from meshes.loft import LoftedMesh, leg_sections
+from meshes.part.boundary import CREASE, PartMesh
 from meshes.part.inner_edges import inner_edges
-from meshes.solid_mesh import SolidMesh, VolumeMesh
+from meshes.reentrant_edges import reentrant_nodes
+from meshes.solid_mesh import EndFace, VolumeMesh
 from validation.models.loads.pressures import pressed_faces
 from validation.models.loads.statics import BodyEnds
 from validation.models.options import ModelOptions
@@ -45,7 +47,7 @@ if TYPE_CHECKING:
 
 
 # Distance from singular edges within which stresses are ignored, as a fraction of the smallest side
-# of the body's bounding box.
+# of a leg's sections, or of a part's bounding box.
 _NEAR = 0.1
 # Order of convergence of stresses for half-widths: the lowest, that of stresses near edges.
 _ORDER = 1.0
@@ -75,13 +77,15 @@ class SolidStress:
 class _Solid:
     """Body on one mesh, factorised with its first interface clamped, with its nodal masses.
 
-    `singular`: nodes on edges with singular stresses. `pressures`: nodal forces (3N) of pressures.
+    `side` (m): smallest side of a leg's sections, or of a part's bounding box. `singular`: nodes on
+    edges with singular stresses. `pressures`: nodal forces (3N) of pressures.
     """
 
     mesh: VolumeMesh
     material: Material
     rooted: RootedBody
     mass: SparseMatrix
+    side: float
     singular: IntArray
     pressures: Array
 
@@ -95,13 +99,15 @@ def solid_stresses(
     distributed along a leg, because its distribution over the section is not known.
     """
     if load.lines:
-        raise InputError(f"--vtu: load {load.name} acts along legs, which solids do not support")
+        raise InputError(
+            f"--vtu: load {load.name} acts along legs; stress fields need its distribution "
+            "over the sections, which is not known"
+        )
     pressures = _pressures(posture.mechanism, load)
     motions = accelerations(posture, load.speed, load.acceleration) if load.moves_tool else {}
     legs = {
         name: (leg, leg_options)
         for name, leg, leg_options in sectioned_legs(posture.mechanism, options)
-        if isinstance(leg, ConstantLeg)
     }
     fields = {}
     for name, of_body in ends.items():
@@ -117,40 +123,34 @@ def solid_stresses(
             leg, leg_options = legs[name]
             fine = _leg(leg, leg_options, leg_options.divisions)
             coarse = _leg(leg, leg_options, second_divisions(leg_options, [leg]))
-        elif name in posture.mechanism.parts:
+        else:
             on_faces = pressures.get(name, {})
             fine, coarse = (_part(body, level, on_faces) for level in (FINEST, FINEST - 1))
-        else:
-            raise InputError(
-                f"--vtu: {name} has no stress field, its section varies along it or it is bent"
-            )
         fields[name] = _field(posture, body, (fine, coarse), of_body, in_body)
     return fields
 
 
-def _leg(leg: ConstantLeg, options: ModelOptions, divisions: int) -> _Solid:
-    if not leg.section.is_uniform:
+def _leg(leg: SectionedLeg, options: ModelOptions, divisions: int) -> _Solid:
+    sections = leg_sections(leg) if isinstance(leg, LineLeg) else (leg.section,)
+    if not all(section.is_uniform for section in sections):
         raise InputError(
             f"--vtu: {leg.name} has no stress field, its section has several materials"
         )
     mesh = solid_mesh(leg, divisions)
     solid = solid_leg(leg, mesh)
-    planes = len(mesh.nodes) // len(mesh.root.nodes)
-    corners = np.flatnonzero(np.tile(regular_nodes(mesh.root.mesh, 0.0), planes) == 0)
-    has_rigid_ends = options.ends == "rigid"
-    edges = np.concatenate([_rim(mesh.root.nodes, mesh), _rim(mesh.tip.nodes, mesh)])
-    singular = np.union1d(corners, edges) if has_rigid_ends else corners
+    faces = mesh.faces if isinstance(mesh, LoftedMesh) else (mesh.root.mesh,)
+    side = min(float(np.ptp(face.nodes, axis=0).min()) for face in faces)
+    singular = reentrant_nodes(mesh)
+    if options.ends == "rigid":
+        singular = np.unique(np.concatenate([singular, _rim(mesh.root), _rim(mesh.tip)]))
     clamped = clamped_leg(solid, options.ends)
-    return _Solid(mesh, leg.material, clamped, solid.mass, singular, np.zeros(mesh.nodes.size))
+    no_pressures = np.zeros(mesh.nodes.size)
+    return _Solid(mesh, leg.material, clamped, solid.mass, side, singular, no_pressures)
 
 
-def _rim(face: IntArray, mesh: SolidMesh) -> IntArray:
-    """Indices of the nodes on the edges of an end face."""
-    section = mesh.root.mesh
-    corners = section.cells[:, list(ELEMENTS[section.element].corner_nodes)]
-    edges = np.sort(np.stack([corners, np.roll(corners, -1, axis=1)], axis=2).reshape(-1, 2))
-    unique, counts = np.unique(edges, axis=0, return_counts=True)
-    return np.asarray(face[np.unique(unique[counts == 1])])
+def _rim(face: EndFace) -> IntArray:
+    """Indices of the corner nodes of cells on the edges of an end face."""
+    return np.asarray(face.nodes[np.unique(rim_edges(face.mesh))])
 
 
 def _pressures(mechanism: Mechanism, load: Load) -> dict[str, dict[int, float]]:
@@ -173,18 +173,21 @@ def _part(body: Body, level: int, pressures: Mapping[int, float]) -> _Solid:
     rooted = held_part(meshed, grips)
     mass = on_three_components(meshed.scalar_mass)
     forces = forces_on_faces(mesh, pressures)
-    return _Solid(mesh, meshed.material, rooted, mass, singular, forces)
+    side = float(np.ptp(mesh.nodes, axis=0).min())
+    return _Solid(mesh, meshed.material, rooted, mass, side, singular, forces)
 
 
 def _edges(mesh: PartMesh) -> IntArray:
-    return inner_edges(mesh) if mesh.element in {"tet4", "tet10"} else np.zeros(0, dtype=np.int64)
+    """Nodes on the sharp re-entrant edges of a part."""
+    is_tetrahedral = mesh.element in {"tet4", "tet10"}
+    return inner_edges(mesh) if is_tetrahedral else reentrant_nodes(mesh, CREASE)
 
 
 def _field(
     posture: Posture, body: Body, solids: tuple[_Solid, _Solid], ends: BodyEnds, motion: Motion
 ) -> SolidStress:
     fine, coarse = solids
-    distance = _NEAR * float(np.ptp(fine.mesh.nodes, axis=0).min())
+    distance = _NEAR * fine.side
     displacements, stresses = _solved(fine, ends, motion)
     counted = away_from(fine.mesh.nodes, fine.singular, distance)
     sizes = np.where(counted, von_mises(stresses), 0.0)

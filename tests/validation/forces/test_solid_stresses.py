@@ -57,10 +57,11 @@ def test_linear_field_obeys_hooke(element, material):
 
 
 def solid_field(text, divisions=2):
-    """Forces of a robot with a solid bar under the load "push", and the bar's stress field."""
+    """Forces of a robot with one solid leg under one load, and the stress field of the leg."""
     robot = fp.load(tomllib.loads(text))
     analysis = forces(Question(robot, "solid", {"divisions": divisions}), solids=True)
-    return analysis, analysis.poses[0].loads["push"].solids["bar"]
+    ((field,),) = (load.solids.values() for load in analysis.poses[0].loads.values())
+    return analysis, field
 
 
 @pytest.fixture(scope="module")
@@ -101,17 +102,67 @@ def test_peak_stress_covers_beam_at_clamp(bar):
     assert "bar as a solid" in as_text(analysis)
 
 
-def test_vtu_has_the_fields_of_all_bodies(bar, tmp_path):
-    """PyVista reads nodes, von Mises stresses and numbers of bodies."""
+RADIUS, WIDTH, HEIGHT, MOMENT = 0.15, 0.1, 0.04, 300.0
+# A quarter circle about (0, R, 0), which starts along x, bent by a couple at its tip.
+HOOK = f"""
+schema = 2
+name = "hook"
+points.A = [0.0, 0.0, 0.0]
+points.M = [{RADIUS * np.sqrt(0.5)}, {RADIUS * (1.0 - np.sqrt(0.5))}, 0.0]
+points.P = [{RADIUS}, {RADIUS}, 0.0]
+joints.clamp = {{ type = "fixed", between = ["ground", "hook"], at = "A" }}
+tool = {{ body = "hook", point = "P", moves = [] }}
+loads = [{{ name = "couple", wrench = [0.0, 0.0, 0.0, 0.0, 0.0, {MOMENT}] }}]
+[bodies.hook]
+from = "A"
+to = "P"
+through = [{{ arc = "M" }}]
+section = {{ shape = "rectangle", width = {WIDTH}, height = {HEIGHT} }}
+material = {{ E = 2.1e11, nu = 0.3, rho = 7850.0 }}
+"""
+
+
+@pytest.fixture(scope="module")
+def hook():
+    return solid_field(HOOK)[1]
+
+
+def test_solid_arc_has_stress_of_curved_bar(hook):
+    """σ = M (rₙ − r)/A e r with rₙ = h/ln(rₒ/rᵢ), e = R − rₙ (Timoshenko, Strength of Materials).
+
+    In the middle of the arc, the line is parallel to the chord, the x axis of the leg.
+    """
+    x, y, _ = hook.mesh.nodes.T
+    radii, angles = np.hypot(x, y - RADIUS), np.arctan2(x, RADIUS - y)
+    middle = np.abs(angles - np.pi / 4.0) < 1e-6
+    assert middle.any()
+    inner, outer = RADIUS - WIDTH / 2.0, RADIUS + WIDTH / 2.0
+    neutral = WIDTH / np.log(outer / inner)
+    area, eccentricity = WIDTH * HEIGHT, RADIUS - neutral
+    expected = -MOMENT * (neutral - radii) / (area * eccentricity * radii)
+    error = (hook.stresses[:, 0] - expected)[middle]
+    # Elements of 20 mm. A straight bar has 24 % less at the inside.
+    assert np.abs(error).max() < 0.02 * np.abs(expected[middle]).max()
+    # A tenth of the section's height, not of the body's.
+    assert hook.distance == pytest.approx(HEIGHT / 10.0)
+
+
+def test_vtu_has_the_fields_of_all_bodies(bar, hook, tmp_path):
+    """PyVista reads nodes, displacements, von Mises stresses and numbers of bodies."""
     pyvista = pytest.importorskip("pyvista")
-    _, field = bar
-    path = tmp_path / "bar.vtu"
-    path.write_bytes(vtu_of([field]))
+    fields = [bar[1], hook]
+    path = tmp_path / "bodies.vtu"
+    path.write_bytes(vtu_of(fields))
     grid = pyvista.read(path)
-    assert grid.n_points == len(field.mesh.nodes)
-    largest = np.asarray(grid.point_data["von Mises stress"])
-    np.testing.assert_allclose(largest, von_mises(field.stresses))
-    assert set(np.asarray(grid.cell_data["body"]).tolist()) == {1}
+    for key, expected in (
+        ("displacement", [field.displacements for field in fields]),
+        ("von Mises stress", [von_mises(field.stresses) for field in fields]),
+    ):
+        np.testing.assert_allclose(np.asarray(grid.point_data[key]), np.concatenate(expected))
+    np.testing.assert_allclose(grid.points, np.concatenate([field.mesh.nodes for field in fields]))
+    bodies, cells = np.unique(np.asarray(grid.cell_data["body"]), return_counts=True)
+    assert bodies.tolist() == [1, 2]
+    assert cells.tolist() == [len(field.mesh.cells) for field in fields]
 
 
 def test_reentrant_corner_nodes_are_excluded():
