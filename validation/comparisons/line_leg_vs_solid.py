@@ -6,7 +6,8 @@ condition of the robot file. Six causes of a difference are computed separately:
 - rigid end faces, by the same solid with free ends;
 - distortion of the section, because walls converge in torsion (`fem.beams.box_distortion`) and in
   vibration (`line_distortion`);
-- bending of flanges of tapered I-sections in their planes by torsion (`fem.beams.tapered_flanges`);
+- bending of flanges of tapered I-sections in their planes by torsion (`fem.beams.tapered_flanges`),
+  with its largest observed error as a half-width;
 - bending of walls at kinks, where tapers begin or end (`fem.beams.kinked_walls`): only an upper
   bound is known, so that half of it is the cause, and half of it a half-width;
 - corners and steps, by a solid of each alone, and corners by the mass beside the line
@@ -23,28 +24,21 @@ averaged along the leg, weighted by strain energy, so that a short taper counts 
 is the square of half the height of the section over the radius of an arc.
 """
 
-from collections.abc import Callable
-
 import numpy as np
 
-from fem.beams.box_distortion import distortion_work
 from fem.beams.kinked_walls import kink_compliances
 from fem.beams.line_beam import line_beam
-from fem.beams.tapered_flanges import flange_work
-from fem.sections.wall_frame import mesh_frame_stiffness
+from fem.beams.tapered_flanges import FLANGE_ERROR, flange_work
 from lumped.acceptance.requirement import AgreementLimits
 from lumped.arrays import Array, distinct
-from lumped.beam_properties import BeamProperties
 from lumped.errors import InputError
-from lumped.legs import ConstantLeg, LineLeg
+from lumped.legs import LineLeg
 from lumped.line_sections import TOGETHER, LineSections
 from lumped.mechanism.body_model import LegMatrices
 from lumped.mechanism.mechanism import Mechanism
 from lumped.memo import memo
 from lumped.model_choices import Ends
 from lumped.models.bodies import clamped_modes, legs_of
-from meshes.loft import solid_section
-from meshes.section.section_mesh import SectionMesh
 from validation.case import Allowance, Measurement, Relative, Skip
 from validation.comparisons.agreement_cases import (
     DISTORTION,
@@ -73,7 +67,14 @@ from validation.references.reference_legs import (
     solid_leg,
 )
 from validation.solids.leg_meshes import formal_order
-from validation.solids.solid_legs import ELEMENTS, line_frequencies, mesh_properties
+from validation.solids.line_beams import (
+    computed_along,
+    computed_tip,
+    mesh_frames,
+    on_solid_mesh,
+    wall_distortion,
+)
+from validation.solids.solid_legs import ELEMENTS, line_frequencies
 from validation.solids.solid_size import why_shapeless
 from validation.uncertainty.half_widths import MeshPolicy
 
@@ -189,7 +190,7 @@ def _motion(
     on_coarse, computed = (context.get(computed_tip, leg, n)[diagonal] for n in divisions)
     theory = leg.sections("timoshenko").tip_compliance[diagonal]
     soft, stiff = (bound[diagonal] for bound in context.get(_formula_tips, leg, divisions[1]))
-    walls = [context.get(_wall_distortion, leg, n) for n in divisions]
+    walls = [context.get(wall_distortion, leg, n) for n in divisions]
     coarse_walls, fine_walls = walls if entry == _TORSION else (0.0, 0.0)
     flanges = flange_work(leg, np.ones_like) if entry == _TORSION else 0.0
     coarse_jumps, fine_jumps = (
@@ -206,6 +207,7 @@ def _motion(
         float(fine),
         reference_uncertainty=slowest(meshes.ratio, [leg]).half_width(fine - coarse),
         judged_uncertainty=kinks
+        + FLANGE_ERROR * abs(flanges)
         + float(context.get(tip_half_widths, leg, divisions[1])[entry])
         + free.half_width(
             (meshes.fine["free"][diagonal] - computed - fine_walls - sum(fine_jumps.values()))
@@ -229,37 +231,10 @@ def _motion(
     )
 
 
-def _on_solid_mesh(leg: LineLeg, divisions: int) -> Callable[[ConstantLeg], SectionMesh]:
-    """Function that returns the section mesh that the leg's solid has at one section of the leg.
-
-    `divisions` are the elements across the section. The argument of the function is a prism with
-    the section of the leg at one position.
-    """
-    return lambda prism: solid_section(leg, prism.section, divisions)
-
-
-def computed_along(leg: LineLeg, divisions: int) -> LineSections:
-    """Sections along a leg with constants by finite elements, on the mesh of its solid.
-
-    Beam and solid then share the errors of one section mesh.
-    """
-    mesh = _on_solid_mesh(leg, divisions)
-
-    def properties(prism: ConstantLeg) -> BeamProperties:
-        return mesh_properties(prism, mesh(prism))
-
-    return leg.sections_by(properties)
-
-
-def computed_tip(leg: LineLeg, divisions: int) -> Array:
-    """Tip compliance (6×6, SI) of the beam with section constants by finite elements."""
-    return computed_along(leg, divisions).tip_compliance
-
-
 @memo(8)
 def _formula_band(leg: LineLeg, divisions: int) -> tuple[LineSections, LineSections]:
     """Sections of the softest and of the stiffest beam by correct textbook formulas."""
-    mesh = _on_solid_mesh(leg, divisions)
+    mesh = on_solid_mesh(leg, divisions)
     soft, stiff = (
         leg.sections_by(lambda prism: mesh_formula_band(prism, mesh(prism))[side])  # noqa: B023
         for side in (0, 1)
@@ -283,21 +258,6 @@ def _formula_frequencies(leg: LineLeg, divisions: int) -> tuple[Array, Array]:
         for sections in _formula_band(leg, divisions)
     )
     return soft, stiff
-
-
-def _wall_distortion(leg: LineLeg, divisions: int) -> float:
-    """Rotation of the tip (rad/(N m)) due to distortion of the section by converging walls."""
-    return distortion_work(leg, np.ones_like, _mesh_frames(leg, divisions))
-
-
-def _mesh_frames(leg: LineLeg, divisions: int) -> Callable[[ConstantLeg], float]:
-    """Function that returns the frame stiffness (N) of a tube on the section mesh of the solid.
-
-    Beam with distortion and solid then share the errors of one section mesh: bent walls with one
-    element across are up to 20 % too stiff.
-    """
-    mesh = _on_solid_mesh(leg, divisions)
-    return lambda prism: mesh_frame_stiffness(mesh(prism), prism.material)
 
 
 @frequency_cases(
@@ -345,6 +305,7 @@ def _frequency(
         float(fine),
         reference_uncertainty=slowest(ratio, [leg]).half_width(fine - coarse),
         judged_uncertainty=kinks
+        + FLANGE_ERROR * abs(flanges)
         + beyond_stubs
         + policy.half_width(
             (free - computed - sum(fine_jumps.values()))
@@ -373,7 +334,7 @@ def _computed_frequencies(leg: LineLeg, divisions: int) -> Array:
 
 
 def _distortion(leg: LineLeg, divisions: int, index: int) -> float:
-    frames = _mesh_frames(leg, divisions)
+    frames = mesh_frames(leg, divisions)
     return frequency_change(leg, _computed_beam(leg, divisions), index, frames)
 
 

@@ -6,11 +6,12 @@ continues both pieces to the corner of the line, and both sections to a step. In
 differ from those of beams over about the height of the section (Saint-Venant). The difference is
 therefore computed in a solid of the corner or step alone: two stubs along the line, curved if the
 line is, with the sections of the leg there, loaded at their ends as in Saint-Venant's theory, less
-the beam of both stubs. The result is a 6×6 compliance in the section there. It depends on the line
-and the sections there alone, so that an error of a model of the leg stays unexplained. Distortion
-of walls reaches beyond the stubs: the change from stubs of half the length is a half-width, or the
-whole result if there is no room for long stubs. Nothing is computed for a corner or step that is
-nearer than a stub to the next one or to an end of the leg: the difference is then flagged.
+the beam of both stubs, and less what their flanges and converging walls do in torsion, a cause of
+its own. The result is a 6×6 compliance in the section there. It depends on the line and the
+sections there alone, so that an error of a model of the leg stays unexplained. Distortion of walls
+reaches beyond the stubs: the change from stubs of half the length is a half-width, or the whole
+result if there is no room for long stubs. Nothing is computed for a corner or step that is nearer
+than a stub to the next one or to an end of the leg: the difference is then flagged.
 """
 
 from dataclasses import dataclass
@@ -18,6 +19,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from fem.beams.tapered_flanges import flange_work
 from lumped.arrays import Array
 from lumped.centre_line import CentreLine, LinePiece, point_of
 from lumped.legs import LineLeg
@@ -27,9 +29,8 @@ from lumped.memo import memo
 from lumped.models.bodies import clamped_modes
 from lumped.screws import shift, turn
 from lumped.sections import Circle, Rectangle, Section
-from meshes.loft import solid_section
 from validation.models.leg_models import clamped_solid
-from validation.solids.solid_legs import mesh_properties
+from validation.solids.line_beams import computed_tip, wall_distortion
 
 # Causes of a difference between beam and solid.
 CORNERS = "corners of the line"
@@ -118,7 +119,8 @@ def _lacking(leg: LineLeg, place: _Place, length: float, divisions: int) -> Arra
     `divisions` is the number of elements across the section.
     """
     stub, axes = _stub(leg, place, length)
-    difference = clamped_solid(stub, divisions, "free").compliance - _beam_tip(stub, divisions)
+    difference = clamped_solid(stub, divisions, "free").compliance - computed_tip(stub, divisions)
+    difference[3, 3] -= flange_work(stub, np.ones_like) + wall_distortion(stub, divisions)
     middle, _ = stub.line.frames(np.array([length]))
     to_jump = turn(axes) @ shift(middle[0] - [stub.length, 0.0, 0.0])
     return np.asarray(to_jump @ difference @ to_jump.T)
@@ -139,16 +141,6 @@ def _places(leg: LineLeg) -> list[_Place]:
         axes = line.frames(np.array([position]))[1][0]
         places.append(_Place(position, (axes, axes), sections, STEPS))
     return sorted(places, key=lambda place: place.position)
-
-
-def _beam_tip(stub: LineLeg, divisions: int) -> Array:
-    """Tip compliance (6×6, SI) of a stub leg as a beam, with constants on its solid's section mesh.
-
-    Beam and solid then share the errors of one section mesh.
-    """
-    return stub.sections_by(
-        lambda prism: mesh_properties(prism, solid_section(stub, prism.section, divisions))
-    ).tip_compliance
 
 
 def _first_moment(leg: LineLeg, place: _Place) -> Array:

@@ -16,7 +16,7 @@ from lumped.sections import HollowRectangle
 from meshes.loft import mesh_section
 from meshes.section.section_mesh import section_mesh
 from meshes.stepped import stretched
-from validation.comparisons.line_leg_vs_solid import computed_tip
+from validation.solids.line_beams import computed_tip
 
 ALLOY = Material.isotropic(E=7.0e10, nu=0.3, rho=2700.0)
 

@@ -8,7 +8,7 @@ from fem.bodies.solid import clamped_leg, solid_leg, solid_mesh
 from lumped.centre_line import CentreLine, LinePiece
 from lumped.legs import LineLeg, Material
 from lumped.sections import HollowRectangle, ISection
-from validation.comparisons.line_leg_vs_solid import computed_tip
+from validation.solids.line_beams import computed_tip
 
 ALLOY = Material.isotropic(E=7.0e10, nu=0.3, rho=2700.0)
 ROOT, TIP = HollowRectangle(0.1, 0.08, 0.004), HollowRectangle(0.1, 0.056, 0.004)

@@ -8,7 +8,7 @@ from fem.bodies.solid import clamped_leg, solid_leg, solid_mesh
 from lumped.centre_line import CentreLine, LinePiece
 from lumped.legs import LineLeg, Material
 from lumped.sections import ISection
-from validation.comparisons.line_leg_vs_solid import computed_tip
+from validation.solids.line_beams import computed_tip
 
 ALLOY = Material.isotropic(E=7.0e10, nu=0.3, rho=2700.0)
 
@@ -53,6 +53,19 @@ def test_stiff_flanges_stay_straight():
     uniform = np.trapezoid(1.0 / np.array(torsion), x)
     assert straight < 0.98 * uniform
     assert flange_work(leg, np.ones_like) == pytest.approx(straight - uniform, rel=0.015)
+
+
+def test_flanges_end_at_step_of_height():
+    """Flanges on both sides that do not touch each other: a step adds nothing to both tapers."""
+    first, second = i_leg((0.0, 0.1), (0.3, 0.08)), i_leg((0.0, 0.06), (0.2, 0.05))
+    stepped = i_leg((0.0, 0.1), (0.3, 0.08), (0.3, 0.06), (0.5, 0.05))
+    both = flange_work(first, np.ones_like) + flange_work(second, np.ones_like)
+    assert flange_work(stepped, np.ones_like) == pytest.approx(both, rel=1e-9)
+    # Flanges that touch each other bend as one.
+    touching = i_leg((0.0, 0.1), (0.3, 0.08), (0.3, 0.08 - 1e-9), (0.5, 0.05))
+    kinked = i_leg((0.0, 0.1), (0.3, 0.08), (0.5, 0.05))
+    work = flange_work(touching, np.ones_like)
+    assert work == pytest.approx(flange_work(kinked, np.ones_like), rel=1e-6)
 
 
 def test_parallel_flanges_of_prism_add_nothing():

@@ -6,17 +6,18 @@ import numpy as np
 import pytest
 
 from fem.beams.line_beam import line_beam
+from fem.beams.tapered_flanges import flange_work
 from fem.bodies.solid import clamped_leg, section_twists, solid_leg, solid_mesh
 from fem.couplings.grips import rigid_motions
 from lumped.acceptance.requirement import DEFAULT_LIMITS
-from lumped.centre_line import CentreLine, LinePiece
+from lumped.centre_line import CentreLine, LinePiece, straight_line
 from lumped.legs import ConstantLeg, LineLeg, Material, given_compliance
 from lumped.models.bodies import clamped_modes
 from lumped.robot_file.load import robot_of
 from lumped.screws import shift, skew
-from lumped.sections import HollowRectangle, Rectangle
+from lumped.sections import HollowRectangle, ISection, Rectangle
 from validation.comparisons import line_leg_vs_solid
-from validation.comparisons.line_leg_vs_solid import cases, computed_along, computed_tip
+from validation.comparisons.line_leg_vs_solid import cases
 from validation.context import Context
 from validation.models.leg_models import leg_compliance
 from validation.references.corners_and_steps import (
@@ -33,6 +34,7 @@ from validation.references.robot_on_path import robot_on_path
 from validation.report.figures.loads_and_responses import figures
 from validation.run.outcome import judge
 from validation.solids.leg_meshes import formal_order, notch_order
+from validation.solids.line_beams import computed_along, computed_tip, wall_distortion
 from validation.solids.solid_legs import line_frequencies
 
 STEEL = Material.isotropic(E=2.1e11, nu=0.3, rho=7850.0)
@@ -148,6 +150,37 @@ def test_difference_of_step_between_tapers_falls_with_length():
         assert abs(rest[5]) < 0.15 * abs(differences[-1][5])
     assert differences[0][5] > 0.005
     assert np.log2(differences[0][5] / differences[1][5]) == pytest.approx(1.0, abs=0.15)
+
+
+@pytest.mark.parametrize(
+    ("length", "sections", "effect"),
+    [
+        (
+            0.7,
+            [ISection(0.08, height, 0.008, 0.008) for height in (0.1, 0.07)]
+            + 2 * [ISection(0.08, 0.07, 0.012, 0.008)],
+            -0.195,
+        ),
+        (
+            0.4,
+            [HollowRectangle(0.1, height, 0.006) for height in (0.1, 0.06)]
+            + 2 * [HollowRectangle(0.1, 0.06, 0.012)],
+            0.217,
+        ),
+    ],
+    ids=["flanges", "walls"],
+)
+def test_torsion_of_taper_at_step_counts_once(length, sections, effect):
+    """A taper before a step in torsion: its flanges or distorted walls change the tip by a fifth.
+
+    The stubs are as long as the leg, and their solid has this change, too. It belongs to the taper.
+    """
+    positions = (0.0, 0.5 * length, 0.5 * length, length)
+    leg = LineLeg(straight_line(length), tuple(zip(positions, sections, strict=True)), STEEL)
+    beam = computed_tip(leg, 1)[3, 3]
+    taper = flange_work(leg, np.ones_like) + wall_distortion(leg, 1)
+    assert taper / beam == pytest.approx(effect, abs=1e-3)
+    assert abs(tip_changes(leg, 1)[STEPS][3, 3]) < 0.005 * beam
 
 
 def test_orders_of_corners():

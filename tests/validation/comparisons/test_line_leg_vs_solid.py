@@ -26,7 +26,7 @@ from validation.comparisons import line_distortion, line_leg_vs_solid
 from validation.comparisons.agreement_cases import DISTORTION
 from validation.comparisons.element_convergence import leg_convergence
 from validation.comparisons.line_distortion import flange_change, frequency_change, kink_change
-from validation.comparisons.line_leg_vs_solid import cases, computed_tip, neglected
+from validation.comparisons.line_leg_vs_solid import cases, neglected
 from validation.context import Context
 from validation.models.leg_models import clamped_solid, leg_compliance
 from validation.models.loads.stability import stabilities
@@ -35,6 +35,7 @@ from validation.references import reference_legs
 from validation.references.reference_legs import computed_elements
 from validation.references.robot_on_path import prismatic_legs
 from validation.run.outcome import judge
+from validation.solids.line_beams import computed_tip
 from validation.solids.solid_legs import TwoMeshes, line_frequencies
 
 ARM = Path(__file__).parents[3] / "examples" / "tapered-arm" / "robot.toml"
