@@ -58,7 +58,7 @@ def test_convergence_example_has_formal_orders(example):
     assert study.of("beam").limits[f2] == pytest.approx(181.806, abs=5e-4)
 
 
-@pytest.mark.exhaustive
+@pytest.mark.soak
 def test_rigid_faces_change_only_torsion(example):
     """known-values.md: torsion differs by 1.45 % on converged meshes, 0.1 % more on this one."""
     rigid, free = (example(3)["differences"][ends] for ends in ("rigid", "free"))
@@ -89,7 +89,7 @@ def test_delta_is_isotropic_on_its_axis(example):
     assert 0.9 < variables["gain"][0, 0] < 1.0
 
 
-@pytest.mark.exhaustive
+@pytest.mark.soak
 def test_identified_part_has_mass_of_volume(example):
     """Mass: the CAD kernel's volume times density; bores of a coarse mesh are polygons (0.5 %)."""
     leg = example(6)["leg"]
@@ -123,7 +123,7 @@ def test_response_peak_is_compliance_over_loss(example):
     assert (variables["losses"] > 2 * 0.005).all()
 
 
-@pytest.mark.exhaustive
+@pytest.mark.soak
 def test_worst_posture_is_worse_than_grid(example):
     """The worst postures found by the search are at least as bad as all grid points."""
     maps = example(9)["maps"]
@@ -162,7 +162,7 @@ def test_best_design_is_inside_range(example):
     assert statics == pytest.approx(1e9 * in_plane, rel=1e-6)
 
 
-@pytest.mark.exhaustive
+@pytest.mark.soak
 def test_pytest_example_fails_for_rigid_legs(example):
     """Only the item of the simplified model's deflection along z fails."""
     items = example(12)["items"]

@@ -132,22 +132,10 @@ def test_unsuitable_robots_skip_calculix(robot, reason, monkeypatch):
             case.measure(context)
 
 
-# The runs take a minute each: continuous integration makes one, the soak run all others.
-OFTEN = ("leaf-stage", "quick")
-
-
-@pytest.mark.parametrize(
-    ("name", "preset"),
-    [
-        pytest.param(
-            name,
-            preset,
-            marks=pytest.mark.exhaustive if (name, preset) == OFTEN else pytest.mark.soak,
-        )
-        for name in NAMES
-        for preset in ("quick", "standard")
-    ],
-)
+# The runs take a minute each.
+@pytest.mark.soak
+@pytest.mark.parametrize("preset", ["quick", "standard"])
+@pytest.mark.parametrize("name", NAMES)
 def test_practice_robot_run_has_no_failure(name, preset, tmp_path):
     """Exit code 0 and more than 20 agreements for each robot and preset."""
     results = api.run(ROBOTS / f"{name}.toml", out=tmp_path / "report", preset=preset)

@@ -30,7 +30,7 @@ def test_api_solve_equals_command(command):
         assert answer.frequencies.tolist() == printed["frequencies"]
 
 
-@pytest.mark.exhaustive
+@pytest.mark.soak
 def test_api_adequacy_equals_run(tmp_path):
     """`fp.adequacy` and `fp.run(only="adequacy")`: equal entries, parts and notes."""
     judged = api.adequacy("ifw", preset="quick")

@@ -283,9 +283,8 @@ def test_robots_have_formal_orders(robot):
         require_true_half_widths(series)
 
 
-@pytest.mark.parametrize(
-    "body", [pytest.param("leg1", marks=EXHAUSTIVE), pytest.param(None, marks=pytest.mark.soak)]
-)
+@pytest.mark.soak
+@pytest.mark.parametrize("body", ["leg1", None])
 def test_stepped_part_has_second_order(body):
     """Each of ten prismatic pieces has a whole number of segments, one to eight."""
     path = Path(__file__).parents[3] / "examples" / "tapered-biglide" / "robot.toml"

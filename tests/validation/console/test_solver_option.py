@@ -82,6 +82,7 @@ def test_missing_petsc_is_refused(command, monkeypatch):
     )
 
 
+@pytest.mark.soak
 def test_petsc_equals_rslab(command, monkeypatch):
     """Solid five-bar on two ranks: compliances to 1e-10, frequencies to 1e-9."""
     require_petsc()

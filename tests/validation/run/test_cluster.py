@@ -473,7 +473,7 @@ def test_missing_dask_names_command(monkeypatch):
         pass
 
 
-@pytest.mark.exhaustive
+@pytest.mark.soak
 def test_worker_of_other_version_is_refused(tmp_path):
     """Before the run, and during it when such a worker joins."""
     other = tmp_path / "other"

@@ -64,7 +64,7 @@ def crane_answer(crane):
     return answer_of(crane)
 
 
-@pytest.mark.exhaustive
+@pytest.mark.soak
 def test_part_half_width_covers_finer_mesh(crane_answer, crane, coarse_parts):
     """20 000 unknowns: at most one of the values changes by more than its half-width."""
     with coarse_parts.context() as patch:
@@ -233,7 +233,7 @@ def matrix(crane):
         return robot_adequacy(Context(crane, "quick"))
 
 
-@pytest.mark.exhaustive
+@pytest.mark.soak
 def test_uniform_leg_is_softer_than_tapered(crane, matrix):
     """Segments of one section in place of the tapered arm: over 10 % off in deflection along z."""
     assert [note.model for note in matrix.models] == list(judged_models(crane.mechanism))
