@@ -48,7 +48,7 @@ def shell(line, **environment):
         ("flexproof schema | head -1; exit ${PIPESTATUS[0]}", 0, ""),
         # Reported before libraries fail because they lack files or addresses.
         ("ulimit -n 8; flexproof faces x.step", 3, "the limit of open files (ulimit -n) is 8"),
-        ("ulimit -v 500000; flexproof solve", 3, "the limit of the address space (ulimit -v) leav"),
+        ("ulimit -v 350000; flexproof solve", 3, "the limit of the address space (ulimit -v) leav"),
         # The wrapping of help texts to 0 columns did not end before.
         ("COLUMNS=0 LC_ALL=C flexproof run --help", 0, ""),
         ("LC_ALL=C flexproof faces µ-é-中-α", 2, "u-e-\\u4e2d-alpha: not a part"),
