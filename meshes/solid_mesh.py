@@ -61,4 +61,7 @@ class SolidMesh(VolumeMesh):
     @property
     def length(self) -> float:
         """Distance (m) from root to tip."""
-        return float(self.nodes[self.tip.nodes[0], 0])
+        tip = self.tip
+        node = self.nodes[tip.nodes[0]]
+        offset = np.zeros(3) if tip.axes is None else tip.axes[:, 1:] @ tip.mesh.nodes[0]
+        return float(node[0] - offset[0])

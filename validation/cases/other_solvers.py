@@ -3,15 +3,16 @@
 Input: a posture of a robot. Output: verdicts on the 6×6 compliance and on natural frequencies.
 Rules: modes of CAD parts with fixed interfaces (Craig, Bampton) and with free interfaces (MacNeal,
 Rubin) span different spaces, so that equal frequencies confirm both; each reduction bounds its own
-error. For CalculiX, each leg is a solid bar with the outer dimensions of the leg, meshed coarsely.
-CalculiX solves the whole mesh, and flexproof condenses each bar to its ends. For EXUDYN, legs are
-chains of beam elements; frequencies are extrapolated to infinitely many elements per leg.
+error. For CalculiX, each leg is a solid bar with the outer dimensions of the leg, meshed coarsely,
+along its line if it is tapered, stepped or bent. CalculiX solves the whole mesh, and flexproof
+condenses each bar to its ends. For EXUDYN, legs are chains of beam elements; frequencies are
+extrapolated to infinitely many elements per leg.
 """
 
 import numpy as np
 
 from fem.bodies.solid import solid_leg_matrices
-from fem.calculix.leg import bar_solids, with_bars
+from fem.calculix.leg import bar_solids, why_no_bars, with_bars
 from fem.calculix.mechanism import compliance_and_frequencies
 from fem.calculix.run import calculix_program
 from fem.multibody import ExudynMissing, exudyn_version, frequencies
@@ -19,14 +20,15 @@ from fem.reduction.craig_bampton import craig_bampton
 from fem.reduction.superelement import held_leg
 from lumped.arrays import Array
 from lumped.dense.modes import FewerModesError
-from lumped.equivalent_leg import equivalent_leg
+from lumped.equivalent_leg import sectioned_leg
 from lumped.errors import InputError
-from lumped.legs import ConstantLeg, Leg, LineLeg
+from lumped.legs import ConstantLeg, GivenLeg, LineLeg, SectionedLeg
 from lumped.mechanism.kinematics.postures import reference_posture
 from lumped.mechanism.mechanism import Mechanism, Posture
 from lumped.models.bodies import legs_of
 from lumped.system.assembly import assembly
 from lumped.system.solution import compliance, modes, solved
+from meshes.loft import slices_along, solid_section
 from validation.case import Absolute, Elsewhere, Measurement, Relative, Skip
 from validation.case_group import CaseGroup, numbered
 from validation.context import Context
@@ -57,9 +59,9 @@ _CUTOFF = 4.0
 # Numbers of beams per leg in EXUDYN. They converge with order two, extrapolated frequencies with
 # order four.
 _ELEMENTS = (4, 8, 16)
-# Largest number of cubes, with the smaller side of a bar as edge, in all bars. CalculiX needs a
-# minute for 2000 (100,000 unknowns), and more than ten for the 9600 of strips of a 0.5 mm leaf
-# spring.
+# Largest number of cubes, with the smaller side of a bar as edge, in all bars, or of bricks along
+# lines. CalculiX needs a minute for 2000 (100,000 unknowns), and more than ten for the 9600 of
+# strips of a 0.5 mm leaf spring.
 _MOST_CUBES = 2000
 # Decimals to which differences of scaled entries are rounded, so that round-off vanishes.
 _DIFFERENCE_DIGITS = 8
@@ -102,7 +104,7 @@ def _part_frequency(context: Context, index: int) -> Measurement:
 
 _by_calculix = cases.family(
     citation=(
-        "CalculiX CrunchiX, C3D10 elements; joints and rigid faces as linear equations, "
+        "CalculiX CrunchiX, C3D10 and C3D20 elements; joints and rigid faces as linear equations, "
         "drives as springs; the same meshes, not reduced"
     ),
     presets=("standard", "fine"),
@@ -141,12 +143,14 @@ def calculix_solids(posture: Posture) -> tuple[Array, Array]:
     return compliance_and_frequencies(bars, bar_solids(bars.mechanism), SOLID_MODES)
 
 
-def _cube_count(leg_description: Leg) -> float:
-    """Volume of a leg's bar over that of a cube whose edge is the bar's smaller side.
+def _cube_count(leg: SectionedLeg) -> float:
+    """Number of bricks of a line leg's bar, or of cubes whose edge is the smaller side of a prism.
 
-    The mesh has 7 to 15 nodes in each such cube.
+    The mesh has 4 to 15 nodes in each of them.
     """
-    leg = equivalent_leg(leg_description)
+    if isinstance(leg, LineLeg):
+        face = solid_section(leg, leg.stations[0][1], 1)
+        return float(slices_along(leg, 1) * len(face.cells))
     width, height = leg.section.extent
     return width * height * leg.length / min(width, height) ** 3
 
@@ -161,17 +165,18 @@ def _reduced_and_calculix(context: Context) -> tuple[tuple[Array, Array], tuple[
     if parts := posture.mechanism.parts:
         raise Skip(
             f"{', '.join(parts)}: the comparison with CalculiX is available only for robots "
-            "of prismatic legs and rigid bodies"
+            "of legs with sections and rigid bodies"
         )
-    if any(isinstance(leg, LineLeg) for leg in legs):
-        raise Skip("legs along a line are not available in the comparison with CalculiX")
-    if not legs or not all(isinstance(leg, ConstantLeg) for leg in legs):
+    if not legs or any(isinstance(leg, GivenLeg) for leg in legs):
         raise Skip("legs specified by a 6×6 compliance have no section that could be meshed")
-    if not all(equivalent_leg(leg).section.is_uniform for leg in legs):
+    if any(isinstance(leg, ConstantLeg) and not leg.section.is_uniform for leg in legs):
         raise Skip(
             "legs of composites or laminates cannot be modelled in CalculiX as bars of one material"
         )
-    cubes = sum(map(_cube_count, legs_of(with_bars(posture).mechanism).values()))
+    bars = with_bars(posture).mechanism
+    if reasons := why_no_bars(bars):
+        raise Skip("; ".join(reasons))
+    cubes = sum(map(_cube_count, map(sectioned_leg, legs_of(bars).values())))
     if cubes > _MOST_CUBES:
         raise Skip(
             "a leg is a thin strip: cubes of its thickness would number "

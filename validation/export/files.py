@@ -20,12 +20,12 @@ from scipy.sparse import coo_array, csc_array, save_npz
 from fem.bodies import solid
 from fem.bodies.part import grips_of, held_part, meshed_part
 from fem.calculix.deck import deck_text
-from fem.calculix.leg import bar_solids, with_bars
+from fem.calculix.leg import bar_solids, why_no_bars, with_bars
 from fem.calculix.mechanism import mechanism_deck
 from fem.reduction.craig_bampton import reduction
 from fem.reduction.held import held_body
 from lumped.arrays import Array, SparseMatrix, dense
-from lumped.legs import LineLeg, SectionedLeg
+from lumped.legs import SectionedLeg
 from lumped.mechanism.body import Body
 from lumped.mechanism.body_model import LegMatrices
 from lumped.mechanism.kinematics.postures import posture, shown_pose
@@ -71,7 +71,8 @@ _MECHANISM_FILES = {
     ),
     "mechanism.inp": (
         "Deck of CalculiX in the same pose. Legs are solid bars of their outer size, one quadratic "
-        "tetrahedron across, with rigid end faces. Joints are linear equations, drives are "
+        "tetrahedron across (bricks, if they are tapered, stepped or bent), with rigid end faces. "
+        "Joints are linear equations, drives are "
         "springs. Steps: six unit wrenches at the loaded point, then {modes} modes and the idle "
         "motions."
     ),
@@ -121,7 +122,8 @@ def export_mechanism(mechanism: Mechanism, preset: Preset, folder: Path) -> None
     """Write distinct legs, CAD parts, the mechanism as beams and a CalculiX deck to `folder`.
 
     The pose is the middle one of the path. A mechanism with CAD parts is not written as beams.
-    There is no deck if the mechanism has CAD parts or legs of varying section. Raises InputError if
+    There is no deck if the mechanism has CAD parts or a leg that has no mesh
+    as a solid bar. Raises InputError if
     a part cannot be meshed, ComputationError if a model cannot be solved, and OSError if a file
     cannot be written.
     """
@@ -133,9 +135,8 @@ def export_mechanism(mechanism: Mechanism, preset: Preset, folder: Path) -> None
         _write_leg(leg, names[0], DIVISIONS[preset], folder)
     if names_of_leg and not parts:
         _write_beams(middle, folder / "mechanism.vtp")
-        # CalculiX's bars have one section each.
-        if not any(isinstance(leg, LineLeg) for leg in names_of_leg):
-            bars = with_bars(middle)
+        bars = with_bars(middle)
+        if not why_no_bars(bars.mechanism):
             deck = mechanism_deck(bars, bar_solids(bars.mechanism), MODES).deck
             (folder / "mechanism.inp").write_text(deck_text(deck), encoding="utf-8")
     equal_legs = "\n".join(f"    {', '.join(names)}" for names in names_of_leg.values())

@@ -7,22 +7,17 @@ import pytest
 
 from fem.bodies.solid import clamped_leg, solid_leg, solid_mesh
 from fem.calculix.deck import ElementSet
-from fem.calculix.leg import leg_deck
+from fem.calculix.leg import leg_deck, mass_at_stiffness_points, of_twenty_nodes
 from fem.calculix.run import CalculixMissing, calculix_program, run_calculix
 from fem.couplings.end_effects import restrained_compliance
-from fem.couplings.grips import rigid_motions, unknowns
-from fem.elasticity import stiffness_and_mass
 from fem.sections.section_constants import beam_properties, section_constants
 from lumped.beam_properties import tip_compliance
 from lumped.centre_line import CentreLine, LinePiece
 from lumped.legs import ConstantLeg, LineLeg, Material
-from lumped.sections import Channel, Composite, CompositePart, Rectangle
+from lumped.sections import Channel, Circle, Composite, CompositePart, Rectangle
 from meshes.section.section_mesh import section_mesh
-from meshes.solid_mesh import EndFace, SolidMesh
 
 STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
-# Nodes of the brick of 20 nodes among those of 27: corners, edges of both faces, edges along x.
-_TWENTY = [0, 1, 2, 3, 18, 19, 20, 21, 4, 5, 6, 7, 22, 23, 24, 25, 9, 10, 11, 12]
 
 
 @pytest.fixture(autouse=True)
@@ -31,19 +26,6 @@ def _calculix():
         calculix_program()
     except CalculixMissing as missing:
         pytest.skip(str(missing))
-
-
-def of_twenty_nodes(mesh):
-    """The extruded mesh with bricks of 20 nodes, an element of CalculiX, instead of 27."""
-    used, cells = np.unique(mesh.cells[:, _TWENTY], return_inverse=True)
-
-    def face(end):
-        nodes = np.searchsorted(used, np.intersect1d(end.nodes, used))
-        return EndFace(nodes, end.mesh)
-
-    cells = cells.reshape(len(mesh.cells), -1)
-    ends = face(mesh.root), face(mesh.tip)
-    return SolidMesh(mesh.nodes[used], cells, "hex20", *ends, slices=None)
 
 
 def by_calculix(mesh, materials, modes=0):
@@ -64,32 +46,42 @@ def scaled(difference, compliance):
     return np.abs(difference / np.outer(size, size)).max()
 
 
-def test_leg_with_corner_and_step_equals_calculix():
-    """Bricks of 20 nodes on the same mesh, clamped root and rigid tip.
-
-    Results of CalculiX have seven digits. The elements at the mitre are not affine, so that its
-    integrals are inexact.
-    """
-    pieces = (
+THICK, THIN = Rectangle(0.08, 0.06), Rectangle(0.04, 0.06)
+CORNER = CentreLine(
+    (
         LinePiece((0.0, 0.0, 0.0), (0.2, 0.2, 0.0)),
         LinePiece((0.2, 0.2, 0.0), (0.4, 0.0, 0.0)),
-    )
-    line = CentreLine(pieces, (0.0, 0.0, 1.0))
-    thick, thin = Rectangle(0.08, 0.06), Rectangle(0.04, 0.06)
-    step = 0.7 * line.length
-    stations = ((0.0, thick), (step, thick), (step, thin), (line.length, thin))
-    mesh = solid_mesh(LineLeg(line, stations, STEEL), 1)
-    computed, _ = by_calculix(mesh, [STEEL])
-    bricks = of_twenty_nodes(mesh)
-    stiffness, _ = stiffness_and_mass(bricks, STEEL)
-    tip, root = bricks.tip.nodes, bricks.root.nodes
-    inner = np.setdiff1d(np.arange(len(bricks.nodes)), np.union1d(tip, root))
-    point = np.array([bricks.length, 0.0, 0.0])
-    motions = np.zeros((3 * len(bricks.nodes), 6 + 3 * len(inner)))
-    motions[unknowns(tip), :6] = rigid_motions(bricks.nodes[tip], point)
-    motions[unknowns(inner), 6:] = np.eye(3 * len(inner))
-    expected = np.linalg.inv(motions.T @ (stiffness @ motions))[:6, :6]
-    assert scaled(computed - expected, expected) < 1e-5
+    ),
+    (0.0, 0.0, 1.0),
+)
+STEP = 0.7 * CORNER.length
+# An arc of 80° about an inclined axis.
+ARC = CentreLine((LinePiece((0.0, 0.0, 0.0), (0.2, 0.0, 0.0), (0.1, 0.03, 0.02)),), (0.1, 0.0, 1.0))
+
+
+@pytest.mark.parametrize(
+    ("line", "stations"),
+    [
+        (CORNER, ((0.0, THICK), (STEP, THICK), (STEP, THIN), (CORNER.length, THIN))),
+        (ARC, ((0.0, THICK), (ARC.length, Rectangle(0.03, 0.04)))),
+        (ARC, ((0.0, Circle(0.05)), (ARC.length, Circle(0.03)))),
+    ],
+    ids=["corner-step", "tapered-arc", "round-arc"],
+)
+def test_leg_along_line_equals_calculix(line, stations):
+    """Bricks of 20 nodes on the same mesh, clamped root and rigid tip: statics and frequencies.
+
+    Both programs have the same 27 points of integration. CalculiX prints seven digits.
+    """
+    leg = LineLeg(line, stations, STEEL)
+    mesh = solid_mesh(leg, 1)
+    computed, frequencies = by_calculix(mesh, [STEEL], modes=4)
+    solid = solid_leg(leg, of_twenty_nodes(mesh))
+    assert solid.mesh.length == pytest.approx(line.chord, rel=1e-12)
+    mass = mass_at_stiffness_points(solid.mesh, STEEL.rho)
+    clamped = clamped_leg(replace(solid, mass=mass), "rigid")
+    assert scaled(computed - clamped.compliance, clamped.compliance) < 1e-6
+    assert frequencies[:4] == pytest.approx(clamped.modes(4).frequencies, rel=1e-6)
 
 
 @pytest.mark.slow

@@ -37,7 +37,8 @@ from validation.models.robot_models import answers, mechanism_modes
 from validation.run.outcome import judge
 from validation.selftest.benchmarks import hexapod_stiffness
 
-ROCKER = Path(__file__).resolve().parents[3] / "examples" / "rocker" / "robot.toml"
+EXAMPLES = Path(__file__).resolve().parents[3] / "examples"
+ROCKER, TAPERED_ARM = (EXAMPLES / name / "robot.toml" for name in ("rocker", "tapered-arm"))
 # Beside the stiffness along such a leg rounding took 2e-4 of its torsion, 3e-5 without shear.
 FOIL = ConstantLeg(90.0, Tube(2e-4, 1e-6), Material(2.1e11, 1.05e9, -0.9, 7850.0))
 
@@ -245,12 +246,27 @@ def test_exudyn_refusal_names_bodies():
 @pytest.mark.skipif(
     not any(map(shutil.which, calculix_run.PROGRAMS)), reason="CalculiX (ccx) is not installed"
 )
-def test_rotated_five_bar_equals_calculix():
+@pytest.mark.parametrize("robot", ["five-bar", TAPERED_ARM], ids=["five-bar", "tapered-arm"])
+def test_rotated_robot_equals_calculix(robot):
     """All cases agree, and with a shifted reference they disagree."""
-    cases = listed(FIVE_BAR.robot_file.mechanism, "calculix")
+    context = Context(load_robot(robot), "standard")
+    cases = listed(context.robot_file.mechanism, "calculix")
     assert len(cases) == 2
     for case in cases:
-        assert_agrees_and_can_disagree(judge(case, case.measure(FIVE_BAR), 0.0))
+        assert_agrees_and_can_disagree(judge(case, case.measure(context), 0.0))
+
+
+def test_calculix_skip_names_leg_without_mesh(tmp_path):
+    """A step from a square to a circle has no mesh: the reason names the leg."""
+    text = TAPERED_ARM.read_text("utf-8").replace(
+        '{ at = "P", shape = "rectangle", width = 0.035, height = 0.03 }',
+        '{ at = "K", shape = "circle", diameter = 0.04 }, '
+        '{ at = "P", shape = "circle", diameter = 0.04 }',
+    )
+    context = Context(robot_of(text, tmp_path), "standard")
+    case, _ = listed(context.robot_file.mechanism, "calculix")
+    with pytest.raises(Skip, match=r"as a solid bar, arm: .*give a short taper"):
+        case.measure(context)
 
 
 def test_solid_bars_have_outer_size_of_legs():
