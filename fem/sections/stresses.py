@@ -19,6 +19,7 @@ stress.
 
 from dataclasses import dataclass, replace
 from math import pi
+from typing import TypeAlias
 
 import numpy as np
 
@@ -32,6 +33,9 @@ from meshes.elements import ELEMENTS
 from meshes.reentrant_edges import SHARP
 from meshes.section.section_mesh import SectionMesh
 from meshes.shape_functions import gradients
+
+# Components (1/m) of the curvature of a line along the y and z axes of a section.
+Curvature: TypeAlias = tuple[float, float]
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,9 +90,7 @@ def section_stresses(mesh: SectionMesh, material: Material) -> SectionStresses:
     return SectionStresses(mesh.nodes, normal, shear, regular)
 
 
-def curved_stresses(
-    mesh: SectionMesh, material: Material, curvature: tuple[float, float]
-) -> SectionStresses:
+def curved_stresses(mesh: SectionMesh, material: Material, curvature: Curvature) -> SectionStresses:
     """Stresses under unit section forces on a section `mesh` of an arc, by Winkler's theory.
 
     `curvature` (1/m) are the components of the line's curvature along the section's axes y and z.
@@ -109,6 +111,51 @@ def curved_stresses(
     normal = straight.normal.copy()
     normal[:, [0, 4, 5]] = (np.linalg.solve(matrix, states_at_nodes) / lengths_at_nodes).T
     return replace(straight, normal=normal)
+
+
+@memo(64)
+def arc_stresses(
+    mesh: SectionMesh, material: Material, curvature: Curvature, length: float
+) -> Array:
+    """Normal stresses (N×6, Pa) that Winkler's theory lacks on an arc, to first order.
+
+    They are magnitudes at the N nodes under the unit section forces of `SectionStresses`, and a sum
+    of three. The first two are due to changes of the shear forces along the arc, Q′ = −k N, and of
+    the torque, T′ = k·(My, Mz), with the components k of the curvature. Cross-sections warp by ΨQ/G
+    and ωT/GJ, and σ = E w′. Their force and moments are zero. In a rectangle under N the first is
+    N k h²/5I at the faces. In the third, Poisson's contraction in bending displaces fibres towards
+    the centre of the arc. Transverse stresses cancel its part along this direction.
+
+    In thin open sections warping in torsion restrains the twist. On the `length` of a line (m) with
+    free ends the bimoment is at most T′ L²/8 (B″ = B/λ² − T′, maximum principle).
+    """
+    ratio = poisson_shear_ratio(material.nu, material.G / material.E)
+    solution = saint_venant(mesh, ratio)
+    quad = solution.quadrature
+    y, z = places = mesh.nodes.T - quad.centroid[:, None]
+    states, at_points = (np.stack([np.ones_like(s[0]), *s]) for s in (places, quad.points))
+    matrix = quad.integral(at_points[:, None] * at_points)
+
+    def without_forces(field: Array) -> Array:
+        forces = quad.integral(quad.value(field) * at_points)
+        return np.asarray(field - np.linalg.solve(matrix, forces) @ states)
+
+    k_y, k_z = curvature
+    modulus = material.E / material.G
+    lacking = np.zeros((len(y), 6))
+    for k, warping in zip(curvature, solution.flexure, strict=True):
+        lacking[:, 0] += modulus * np.abs(k * without_forces(warping))
+    warping = without_forces(solution.warping)
+    warping_constant = float(quad.integral(quad.value(warping) ** 2))
+    restrained = length**2 * solution.torsion_constant / (8.0 * modulus * warping_constant)
+    per_torque = modulus * min(1.0, restrained) * np.abs(warping) / solution.torsion_constant
+    inwards = np.stack([k_z * y * z - 0.5 * k_y * z**2, k_y * y * z - 0.5 * k_z * y**2])
+    # Slopes of the stress along y and z under unit moments My and Mz.
+    slopes = np.linalg.solve(solution.moments, [[0.0, -1.0], [1.0, 0.0]]).T
+    for column, k, slope in zip((4, 5), curvature, slopes, strict=True):
+        of_contraction = material.nu * without_forces(slope @ inwards)
+        lacking[:, column] = abs(k) * per_torque + np.abs(of_contraction)
+    return lacking
 
 
 class NodalGradient:

@@ -1,4 +1,4 @@
-"""Polygons as outlines of sections: interior angles, points inside, edges between regions."""
+"""Polygons as outlines of sections: angles, points inside, wall thickness, edges of regions."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -13,6 +13,8 @@ from lumped.arrays import Array, IntArray
 Loop: TypeAlias = Array
 # Distance, as a fraction of the section's size, below which two vertices count as one.
 TOUCHING = 1e-6
+# Angle (rad) above π from which a corner is re-entrant: above round-off.
+_REENTRANT = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,6 +83,26 @@ def inner_angles(loop: Loop) -> Array:
     before, after = loop - np.roll(loop, 1, axis=0), np.roll(loop, -1, axis=0) - loop
     cross = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
     return np.asarray(np.pi - np.arctan2(cross, (before * after).sum(axis=1)))
+
+
+def wall_thickness(loops: Sequence[Loop]) -> float:
+    """Smallest distance (m) through the section from a re-entrant corner to another edge.
+
+    Corners of holes are re-entrant, too. Infinite for a convex outline without holes.
+    """
+    edges = [(loop, np.roll(loop, -1, axis=0) - loop) for loop in loops]
+    starts, ways = (np.vstack(parts) for parts in zip(*edges, strict=True))
+    corners = np.vstack([loop[inner_angles(loop) > np.pi + _REENTRANT] for loop in loops])
+    shares = np.einsum("cej,ej->ce", corners[:, None] - starts, ways) / (ways**2).sum(axis=1)
+    feet = starts + np.clip(shares, 0.0, 1.0)[..., None] * ways
+    across = feet - corners[:, None]
+    distances = np.linalg.norm(across, axis=2)
+    # The section lies to the left of an edge. A line through it arrives at the edge from there.
+    leaves = across[..., 0] * ways[:, 1] - across[..., 1] * ways[:, 0]
+    through = leaves > _REENTRANT * distances * np.linalg.norm(ways, axis=1)
+    # A corner lies on its own edges.
+    through &= distances > TOUCHING * np.ptp(starts, axis=0).max()
+    return float(distances[through].min(initial=np.inf))
 
 
 def is_inside(loops: Sequence[Loop], point: Array) -> bool:

@@ -9,8 +9,13 @@ change of the lever arm (`lumped.line_sections`). The half-widths of these force
 those of the moments.
 
 On an arc normal stresses are those of Winkler's curved bar, and shear stresses are those of a
-straight leg. The half-width covers a relative change of shear stresses by the height of the section
-over the radius, of which Göhner's series for a round bar in torsion has 5/8. Walls of hollow
+straight leg. The half-width covers a relative change of shear stresses by the height h of the
+section over the radius R, of which Göhner's series for a round bar in torsion has 5/8. It covers
+the normal stresses that Winkler's theory lacks: those of first order in h/R (`arc_stresses`), over
+(1 − h/2R)², and in bending (h/R)²/60 of the stress, over 1 − (h/2R)². For narrow rectangles these
+terms are the leading ones of Golovin's solution (S. P. Timoshenko, J. N. Goodier, Theory of
+Elasticity, ch. 4), and their divisors are chosen such that no error is larger up to outer radii of
+ten inner ones. Walls of hollow
 sections and flanges on an arc of radius R are pressed across by their normal stress σ. They bend,
 with stresses of at most 3σc²/Rt (flanges of thickness t that project by c, Bleich). This is added
 to the half-width. Where it exceeds σ, as in elbows of pipes, stresses are not known.
@@ -20,7 +25,7 @@ on an arc the largest stress is also searched for between the decisive station a
 """
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -28,15 +33,16 @@ import scipy.optimize
 
 from fem.sections.moduli import part_materials, part_moduli
 from fem.sections.part_stresses import PartStresses, part_stresses
-from fem.sections.stresses import SectionStresses, curved_stresses
+from fem.sections.stresses import SectionStresses, arc_stresses, curved_stresses
 from lumped.arrays import Array
 from lumped.centre_line import CentreLine
-from lumped.legs import ConstantLeg, LineLeg, SectionedLeg, Span
+from lumped.legs import ConstantLeg, LineLeg, SectionedLeg, Span, line_length
 from lumped.line_sections import TOGETHER
 from lumped.mechanism.body import Shape
 from lumped.memo import memo
 from lumped.screws import rotation_vector
-from lumped.sections import Composite, HollowRectangle, Section, Tube
+from lumped.sections import Composite, HollowRectangle, Polygon, Section, Tube
+from lumped.sections.polygons import wall_thickness
 from lumped.sections.shapes import WalledProfile
 from lumped.system.members import MemberForces
 from meshes.section.section_mesh import section_mesh
@@ -50,6 +56,8 @@ _SMOOTH, _STEEP = 2.0, 1.0
 # Search between two stations, in fractions of their distance: point at which the stress must rise
 # for the search to start, and tolerance of the point found. Stresses are off by its square.
 _PROBE, _TOLERANCE = 0.01, 1e-3
+# Error of Winkler's stress in bending, over the square of the height over the radius.
+_SECOND_ORDER = 1.0 / 60.0
 _WITHOUT_MESH = "the section of the leg has no mesh of isotropic materials"
 
 
@@ -121,16 +129,13 @@ def member_stress(leg: SectionedLeg, member: MemberForces) -> MemberStress | Non
     # The von Mises stress is a norm: it changes by at most that of the stresses due to the change
     # of the forces.
     of_forces = fine.von_mises(np.diag(loaded.half_width))[:, fine.regular].sum(axis=0).max()
-    height = float(np.ptp(fine.points @ loaded.curvature))
-    of_curvature = _largest(replace(fine, shear=(1.0 + height) * fine.shear), forces) - largest
+    of_curvature = _curvature_half_width(leg, loaded, fine) if any(loaded.curvature) else 0.0
     y, z = fine.points[node]
-    bent_walls = 3.0 * _wall_ratio(loaded.section) * float(np.linalg.norm(loaded.curvature))
-    of_curvature += bent_walls * float(np.abs(fine.normal @ forces).max())
     parts = fine.largest_by_part(forces) if isinstance(fine, PartStresses) else np.zeros(0)
     return MemberStress(
         member.leg,
         largest,
-        policy.half_width(largest - _largest(coarse, forces)) + float(of_forces + of_curvature),
+        policy.half_width(largest - _largest(coarse, forces)) + float(of_forces) + of_curvature,
         station,
         (float(y), float(z)),
         float(fine.normal[node] @ forces),
@@ -139,6 +144,28 @@ def member_stress(leg: SectionedLeg, member: MemberForces) -> MemberStress | Non
         along,
         tuple(parts.tolist()),
     )
+
+
+def _curvature_half_width(
+    leg: SectionedLeg, loaded: "_LoadedSection", stresses: SectionStresses
+) -> float:
+    """Half-width (Pa) of the largest von Mises stress of a section on an arc, see the module.
+
+    `stresses` are those of the loaded section.
+    """
+    ratio = float(np.ptp(stresses.points @ loaded.curvature))
+    forces = loaded.forces
+    normal = np.abs(stresses.normal @ forces)
+    shear = np.linalg.norm(stresses.shear @ forces, axis=0)
+    mesh = section_mesh(loaded.section, _DIVISIONS[1])
+    lacking = arc_stresses(mesh, leg.material, loaded.curvature, line_length(leg)) @ np.abs(forces)
+    lacking /= (1.0 - 0.5 * ratio) ** 2
+    bending = np.abs(stresses.normal[:, 4:] @ forces[4:])
+    lacking += _SECOND_ORDER * ratio**2 / (1.0 - 0.25 * ratio**2) * bending
+    widened = np.hypot(normal + lacking, np.sqrt(3.0) * (1.0 + ratio) * shear)
+    bent_walls = 3.0 * _wall_ratio(loaded.section) * float(np.linalg.norm(loaded.curvature))
+    change = widened[stresses.regular].max() - _largest(stresses, forces)
+    return float(change + bent_walls * normal.max())
 
 
 def _wall_ratio(section: Section) -> float:
@@ -151,6 +178,8 @@ def _wall_ratio(section: Section) -> float:
         return half**2 / section.thickness
     if isinstance(section, WalledProfile):
         return half**2 / min(section.flange, section.web)
+    if isinstance(section, Polygon):
+        return half**2 / wall_thickness(section.loops)
     return 0.0
 
 
