@@ -7,11 +7,13 @@ and Mz are the moments about the axes of the section, which follow the line: x a
 as close to one direction as possible. In a straight leg they are the leg's axes.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from itertools import pairwise
 
 import numpy as np
+from numpy.polynomial import Polynomial, chebyshev
 
 from lumped.arrays import Array, IntArray, distinct
 from lumped.centre_line import CentreLine
@@ -28,6 +30,10 @@ from lumped.system.reactions import InternalForces
 _INTERVALS, _FEWEST = 20, 3
 # Fraction of the length of the mechanism, or of a unit wrench, below which a component is zero.
 _ROUNDING = 1e-9
+# Fractions of an interval at which components are interpolated, and the matrix of derivatives of
+# the interpolation there.
+_SHARES = 0.5 * (1.0 + chebyshev.chebpts2(5))
+_RATES = np.array([Polynomial.fit(_SHARES, unit, 4).deriv()(_SHARES) for unit in np.eye(5)]).T
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,7 +60,7 @@ def member_forces(
     """Forces and moments in the sections of the `leg` with the name `name` under a load.
 
     The stations include the ends of loads along the leg, steps and corners of the leg, and the
-    zeros of both shear forces, where bending moments have their extremes. The loads along the leg
+    positions at which a component has an extreme value. The loads along the leg
     may not balance the wrenches on its ends exactly, if they are computed with another mass than
     that of the model. The difference is then distributed linearly along the leg and added to the
     half-width.
@@ -70,8 +76,9 @@ def member_forces(
     ends = [end for part in loads for end in (part.start, part.stop)]
     ends += [end for span in spans for end in (span.start, span.end)]
     stations, runs = _equal_stations(line, np.array(ends))
-    coarse = _section_forces(line, at_root[:, 0], loads, stations, runs)
-    stations, runs = _with_zeros(line, stations, runs, coarse[:, 1:3])
+    stations, runs = _with_extremes(
+        line, stations, runs, partial(_section_forces, line, at_root[:, 0], loads)
+    )
     values = _section_forces(line, at_root[:, 0], loads, stations, runs)
     missing = at_tip[:, 0] - tip_axes @ values[-1]
     axes = line.frames(stations, line.pieces_in_runs(stations, runs))[1]
@@ -128,16 +135,44 @@ def _equal_stations(line: CentreLine, ends: Array) -> tuple[Array, IntArray]:
     return np.concatenate(stations), runs
 
 
-def _with_zeros(
-    line: CentreLine, stations: Array, runs: IntArray, shear: Array
+def _with_extremes(
+    line: CentreLine,
+    stations: Array,
+    runs: IntArray,
+    section_forces: Callable[[Array, IntArray], Array],
 ) -> tuple[Array, IntArray]:
-    """Stations (m) and their runs, with the zeros of the shear forces (s×2) added in each run."""
-    all_stations = []
-    for run in np.unique(runs):
-        in_run = runs == run
-        zeros = list(_zeros(stations[in_run], shear[in_run]))
-        union = np.union1d(stations[in_run], zeros)
-        all_stations.append(distinct(union, _ROUNDING * line.length))
+    """Stations (m) and their runs, with the extremes of all components between them added.
+
+    `section_forces` is a function that returns the forces (n×6) at n positions in n runs. Between
+    two stations they are interpolated by polynomials of degree 4, which is exact on straight
+    pieces for loads that vary linearly.
+    """
+    before = np.flatnonzero(runs[:-1] == runs[1:])
+    starts, lengths = stations[before], np.diff(stations)[before]
+    positions = starts[:, None] + lengths[:, None] * _SHARES
+    repeated = np.repeat(runs[before], len(_SHARES))
+    values = section_forces(positions.ravel(), repeated).reshape(*positions.shape, 6)
+    force = np.abs(values[..., :3]).max()
+    moment = np.abs(values[..., 3:]).max() + force * line.length
+    slack = _ROUNDING * np.repeat([force, moment], 3)
+    ends = values[:, [0, -1]]
+    low, high = ends.min(axis=1) - slack, ends.max(axis=1) + slack
+    rates = np.einsum("pq,kqc->kpc", _RATES, values)
+    turns = (rates[:, 1:] * rates[:, :-1] < 0.0).any(axis=1)
+    extremes: list[list[float]] = [[] for _ in line.run_ends[1:]]
+    for interval, column in np.argwhere(turns):
+        component = Polynomial.fit(_SHARES, values[interval, :, column], len(_SHARES) - 1)
+        roots = component.deriv().roots()
+        shares = roots.real[(np.abs(roots.imag) < _ROUNDING) & (roots.real > 0) & (roots.real < 1)]
+        peaks = component(shares)
+        beyond = (peaks < low[interval, column]) | (peaks > high[interval, column])
+        extremes[runs[before[interval]]] += (
+            starts[interval] + lengths[interval] * shares[beyond]
+        ).tolist()
+    all_stations = [
+        distinct(np.union1d(stations[runs == run], positions), _ROUNDING * line.length)
+        for run, positions in enumerate(extremes)
+    ]
     all_runs = np.repeat(np.arange(len(all_stations)), [len(part) for part in all_stations])
     return np.concatenate(all_stations), all_runs
 
@@ -164,18 +199,3 @@ def _end_wrench(
         if (applied.body, applied.point) == (name, point):
             total[:, 0] += shift(applied.position - position).T @ applied.wrench
     return np.asarray(turn(posture.frames[name].rotation).T @ total)
-
-
-def _zeros(stations: Array, shear: Array) -> Iterator[float]:
-    """Positions (m) at which one of the two shear forces changes its sign.
-
-    `shear` (s×2) are the shear forces at the s `stations`. Between stations they are interpolated
-    by parabolas, which is exact for loads that vary linearly.
-    """
-    for values in shear.T:
-        for number in np.flatnonzero(values[:-1] * values[1:] < 0.0):
-            start = min(int(number), len(stations) - 3)
-            three = slice(start, start + 3)
-            roots = np.roots(np.polyfit(stations[three] - stations[number], values[three], 2))
-            step = stations[number + 1] - stations[number]
-            yield from (stations[number] + root.real for root in roots if 0.0 <= root.real <= step)

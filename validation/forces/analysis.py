@@ -285,8 +285,7 @@ def _changes_under_load(first: LoadForces, second: LoadForces) -> Array:
 def _largest_changes(first: MemberForces, second: MemberForces) -> Array:
     """Largest magnitudes (6, N and N m) of the changes of a leg's forces between two solutions.
 
-    They are compared at the stations of both. Each solution has further ones, at the zeros of its
-    shear forces.
+    They are compared at the stations of both. Each solution has further ones, at its extremes.
     """
     slack = _SAME * float(first.stations[-1])
     distances = np.abs(first.stations[:, None] - second.stations)

@@ -93,6 +93,23 @@ def test_quarter_circle_forces_are_closed_form(model):
     assert member.half_width.max() < 1e-9 * FORCE
 
 
+@pytest.mark.parametrize(("share", "column", "angle"), [(0.75, 4, 0.6435), (-0.75, 3, 0.9273)])
+def test_extremes_of_moments_across_arc_are_exact(share, column, angle):
+    """A quarter circle under F across its plane and the moment mFR across its tip.
+
+    My = −FR (cos a + m sin a), T = FR (1 − sin a + m cos a). Qz = F has no zero. My has its extreme
+    at tan a = m, and T at tan a = −1/m.
+    """
+    moment = FORCE * RADIUS
+    _, member, _ = solved(ARC + load(wrench=[0.0, 0.0, FORCE, share * moment, 0.0, 0.0]))
+    root = np.hypot(1.0, share)
+    expected = moment * (1.0 - root if column == 3 else -root)
+    values = member.forces[:, column]
+    row = int(np.argmin(values))
+    assert values[row] == pytest.approx(expected, rel=1e-9)
+    assert member.stations[row] == pytest.approx(RADIUS * angle, rel=1e-4)
+
+
 def test_curved_bar_stress_is_winklers():
     """σ = M (rₙ − r)/A e r with rₙ = h/ln(rₒ/rᵢ), e = R − rₙ (Timoshenko, Strength of Materials).
 
