@@ -10,8 +10,9 @@ smallest eigenvalue of K decreases monotonically with ω and is zero only at the
 frequency (Wittrick & Williams, Q. J. Mech. Appl. Math. 24 (1971) 263). No root can be missed.
 
 In sections without two axes of symmetry, bending in both planes is coupled, or bending is coupled
-with torsion (`BeamProperties`). These vibrations form one kind "coupled", for which the same method
-is used with all deflections and rotations.
+with torsion (`BeamProperties`). Deformations that are coupled vibrate together and form one kind,
+such as "torsion with bending y". For such a kind the same method is used with all its deflections
+and rotations.
 """
 
 from collections.abc import Iterator
@@ -25,6 +26,7 @@ from typing import Literal, TypeAlias
 import numpy as np
 import scipy
 from scipy.linalg import eigvalsh, expm
+from scipy.sparse.csgraph import connected_components
 
 from lumped.arrays import Array
 from lumped.beam_properties import BeamProperties
@@ -32,7 +34,17 @@ from lumped.errors import ComputationError
 from lumped.memo import memo
 
 Plane: TypeAlias = Literal["y", "z"]
-Kind: TypeAlias = Literal["tension", "torsion", "bending y", "bending z", "coupled"]
+# Deformations that vibrate together: names of `_DEFORMATIONS` in their order, joined by `TOGETHER`.
+Kind: TypeAlias = str
+
+TOGETHER = " with "
+# Names of the deformations, with their indices among the displacements of `_Coupled`.
+_DEFORMATIONS: dict[str, tuple[int, ...]] = {
+    "tension": (5,),
+    "torsion": (2,),
+    "bending z": (0, 3),
+    "bending y": (1, 4),
+}
 
 # Relative tolerance of roots. brentq does not accept a smaller one.
 _ROOT_TOLERANCE = 4.0 * np.finfo(float).eps
@@ -73,12 +85,20 @@ def cantilever_frequencies(
 
 
 def kinds_of(properties: BeamProperties) -> tuple[Kind, ...]:
-    """Kinds of deformation that vibrate independently of each other, such as "tension"."""
-    if properties.is_eccentric or properties.is_helical:
-        return ("coupled",)
-    if properties.couples_bending or properties.couples_torsion:
-        return "tension", "coupled"
-    return "tension", "torsion", "bending y", "bending z"
+    """Kinds of deformation that vibrate independently of each other, such as "tension".
+
+    Two deformations vibrate together if the flexibility or the mass of the section couples them,
+    or if each of them vibrates together with a third one.
+    """
+    section = _coupled(properties, 1.0)
+    coupling = (section.flexibility != 0.0) | (section.mass != 0.0)
+    blocks = [
+        [coupling[np.ix_(rows, columns)].any() for columns in _DEFORMATIONS.values()]
+        for rows in _DEFORMATIONS.values()
+    ]
+    count, labels = connected_components(np.array(blocks), directed=False)
+    names = np.array(list(_DEFORMATIONS))
+    return tuple(TOGETHER.join(names[labels == label]) for label in range(count))
 
 
 def _ascending(
@@ -104,8 +124,8 @@ def frequency_of_kind(properties: BeamProperties, length: float, kind: Kind, ord
             return _bending_frequency(_plane(properties, "y"), length, order)
         case "bending z":
             return _bending_frequency(_plane(properties, "z"), length, order)
-        case "coupled":
-            return _coupled_frequency(properties, length, order)
+        case _:
+            return _coupled_frequency(properties, length, kind, order)
 
 
 def tension_frequencies(properties: BeamProperties, length: float, count: int) -> Array:
@@ -281,13 +301,12 @@ def _piece_stiffness(beam: _Plane, l: float, omega: float) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class _Coupled:
-    """State equations of bending in both planes with torsion, dimensionless.
+    """State equations of bending in both planes with torsion and tension, dimensionless.
 
-    The n displacements are v_s and w_s of the shear centre, the twist φx, the rotations θ of the
-    section in bending along y and along z, and u if the centre of mass is offset from the centroid
-    or fibres are helical. The n forces are work conjugate to these displacements. `flexibility`
-    (n×n) gives the strains for the forces, `mass` (n×n) the inertia forces per length for the
-    displacements. `unit_squared` (rad²/s²) is the unit of ω².
+    The 6 displacements are v_s and w_s of the shear centre, the twist φx, the rotations θ of the
+    section in bending along y and along z, and u. The 6 forces are work conjugate to these
+    displacements. `flexibility` (6×6) gives the strains for the forces, `mass` (6×6) the inertia
+    forces per length for the displacements. `unit_squared` (rad²/s²) is the unit of ω².
     """
 
     flexibility: Array
@@ -296,60 +315,55 @@ class _Coupled:
 
 
 def _coupled(p: BeamProperties, size: float) -> _Coupled:
-    """Dimensionless state equations of bending in both planes with torsion.
+    """Dimensionless state equations of bending in both planes with torsion and tension.
 
     The unit of length is `size` (m), and the unit of ω² is EI/(μ `size`⁴) with the larger EI of
     both planes.
     """
     EI, mu = max(p.EIy, p.EIz), p.mu
-    count = 6 if p.is_eccentric or p.is_helical else 5
-    flexibility = np.zeros((count, count))
+    flexibility = np.zeros((6, 6))
     flexibility[:2, :2] = p.shear_flexibility * EI / size**2
     flexibility[2, 2] = EI / p.GJ
     flexibility[3:5, 3:5] = EI * np.linalg.inv(p.bending)
     # The displacements of the centre of mass are v_s + (z_s − z_m) φx and w_s − (y_s − y_m) φx.
     arm = np.array([p.centre_z - p.mass_z, p.mass_y - p.centre_y]) / size
-    mass = np.zeros((count, count))
+    mass = np.zeros((6, 6))
     mass[:2, :2] = np.eye(2)
     mass[:2, 2] = mass[2, :2] = arm
     own_polar = p.rho_J - mu * (p.mass_y**2 + p.mass_z**2)
     mass[2, 2] = own_polar / (mu * size**2) + arm @ arm
     mass[3:5, 3:5] = p.rotary_inertia / (mu * size**2)
-    if count == 6:
-        flexibility[5, 5] = EI / (p.EA * size**2)
-        flexibility[2, 5] = flexibility[5, 2] = p.twist_x * EI / size
-        # θ of the deflection along y is φz, that of the deflection along z is −φy.
-        flexibility[0, 4] = flexibility[4, 0] = -p.turn_y * EI / size
-        flexibility[1, 3] = flexibility[3, 1] = p.turn_z * EI / size
-        mass[5, 5] = 1.0
-        # u + z_m φy − y_m φz; φy turns against θ of the deflection along z.
-        mass[3, 5] = mass[5, 3] = p.section_mass[0, 5] / (mu * size)
-        mass[4, 5] = mass[5, 4] = -p.section_mass[0, 4] / (mu * size)
+    flexibility[5, 5] = EI / (p.EA * size**2)
+    flexibility[2, 5] = flexibility[5, 2] = p.twist_x * EI / size
+    # θ of the deflection along y is φz, that of the deflection along z is −φy.
+    flexibility[0, 4] = flexibility[4, 0] = -p.turn_y * EI / size
+    flexibility[1, 3] = flexibility[3, 1] = p.turn_z * EI / size
+    mass[5, 5] = 1.0
+    # u + z_m φy − y_m φz; φy turns against θ of the deflection along z.
+    mass[3, 5] = mass[5, 3] = p.section_mass[0, 5] / (mu * size)
+    mass[4, 5] = mass[5, 4] = -p.section_mass[0, 4] / (mu * size)
     return _Coupled(flexibility, mass, EI / (mu * size**4))
 
 
-def _coupled_frequency(p: BeamProperties, length: float, order: int) -> float:
-    """Natural frequency (Hz) number `order` (from 1) of coupled bending. `length` is in m.
-
-    Bending in both planes is coupled, or bending is coupled with torsion.
-    """
+def _coupled_frequency(p: BeamProperties, length: float, kind: Kind, order: int) -> float:
+    """Natural frequency (Hz) number `order` (from 1) of coupled deformations. `length` is in m."""
     lower, upper = 0.0, np.pi / (2.0 * length) ** 2 * sqrt(max(p.EIy, p.EIz) / p.mu)
-    while _coupled_count(p, length, upper) < order:
+    while _coupled_count(p, length, kind, upper) < order:
         lower, upper = upper, 1.5 * upper
     pieces = _coupled_pieces(p, length, upper)
     equations = _coupled(p, length / pieces)
 
     def eigenvalue(omega: float) -> float:
-        return float(eigvalsh(_coupled_stiffness(equations, pieces, omega))[order - 1])
+        return float(eigvalsh(_coupled_stiffness(equations, pieces, kind, omega))[order - 1])
 
     root = scipy.optimize.brentq(eigenvalue, lower, upper, xtol=1e-300, rtol=_ROOT_TOLERANCE)
     return float(root) / (2.0 * pi)
 
 
-def _coupled_count(p: BeamProperties, length: float, omega: float) -> int:
-    """Number of natural frequencies below `omega` (rad/s) of coupled bending of a cantilever."""
+def _coupled_count(p: BeamProperties, length: float, kind: Kind, omega: float) -> int:
+    """Number of natural frequencies of one `kind` below `omega` (rad/s) of a cantilever."""
     pieces = _coupled_pieces(p, length, omega)
-    stiffness = _coupled_stiffness(_coupled(p, length / pieces), pieces, omega)
+    stiffness = _coupled_stiffness(_coupled(p, length / pieces), pieces, kind, omega)
     return int(np.count_nonzero(eigvalsh(stiffness) < 0.0))
 
 
@@ -381,21 +395,24 @@ def _coupled_pieces(p: BeamProperties, length: float, omega: float) -> int:
     return max(_pieces(plane, length, omega), by_waves)
 
 
-def _coupled_stiffness(equations: _Coupled, pieces: int, omega: float) -> Array:
-    """Dynamic stiffness K(ω) of the clamped–free beam in coupled bending and torsion.
+def _coupled_stiffness(equations: _Coupled, pieces: int, kind: Kind, omega: float) -> Array:
+    """Dynamic stiffness K(ω) of the clamped–free beam for one `kind` of coupled deformations.
 
-    The unknowns are the n dimensionless displacements of `_Coupled` at the ends of all pieces
-    except the root. `equations` are those of one piece of length l, `pieces` is the number of
-    pieces. The unit of K is EI/l, with the larger EI of both planes.
+    The unknowns are the n dimensionless displacements of `_Coupled` that belong to `kind`, at the
+    ends of all pieces except the root. `equations` are those of one piece of length l, `pieces` is
+    the number of pieces. The unit of K is EI/l, with the larger EI of both planes.
     """
-    n = len(equations.mass)
-    state = np.zeros((2 * n, 2 * n))
+    state = np.zeros((12, 12))
     state[0, 3] = state[1, 4] = 1.0
-    state[:n, n:] = equations.flexibility
-    state[n:, :n] = -(omega**2) / equations.unit_squared * equations.mass
+    state[:6, 6:] = equations.flexibility
+    state[6:, :6] = -(omega**2) / equations.unit_squared * equations.mass
     # Shear force in the moment equation M′ = −V − ω²ρI θ.
-    state[n + 3, n] = state[n + 4, n + 1] = -1.0
-    transfer = expm(state)
+    state[9, 6] = state[10, 7] = -1.0
+    names = kind.split(TOGETHER)
+    displacements = np.concatenate([_DEFORMATIONS[name] for name in names])
+    n = len(displacements)
+    rows = np.concatenate([displacements, displacements + 6])
+    transfer = expm(state[np.ix_(rows, rows)])
     uu, uf, fu, ff = transfer[:n, :n], transfer[:n, n:], transfer[n:, :n], transfer[n:, n:]
     flexible = np.linalg.inv(uf)
     piece = np.block([[flexible @ uu, -flexible], [fu - ff @ flexible @ uu, ff @ flexible]])

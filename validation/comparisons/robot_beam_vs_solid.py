@@ -19,7 +19,6 @@ from lumped.legs import ConstantLeg, LineLeg
 from lumped.mechanism.mechanism import Mechanism, Posture
 from lumped.models.bodies import legs_of, on_equivalent_legs
 from validation.case import Allowance, Measurement, Skip
-from validation.cases.leg_theory import HELICAL
 from validation.cases.leg_waves import NO_WAVES, WAVES_SOURCE
 from validation.comparisons.agreement_cases import (
     DISTORTION,
@@ -65,6 +64,10 @@ _FREE_ENDS = (
     "held end faces change this mode by more than their theory explains; compare with free ends"
 )
 _REFINE = "refine the models until the numerical uncertainty is below the tolerance"
+_HELICAL = (
+    "waves of 3-D elasticity are available only for balanced layups of fibres, whose tension does "
+    "not twist the leg"
+)
 # Largest ratio of the decay length of warping to the length of a leg for which waves are computed,
 # since they neglect warping. With the ratio 0.106 of leg 2 of the built-in robot, the neglected
 # warping changes f4 by 3e-4.
@@ -198,7 +201,7 @@ def _require_waves(context: Context, legs: Sequence[ConstantLeg], meshes: SolidM
                 f"that are symmetric about y and z, not for a {leg.section.shape}"
             )
         if any(leg.section.couplings):
-            raise Skip(f"{leg.name}: {HELICAL}")
+            raise Skip(f"{leg.name}: {_HELICAL}")
         if decay_of_warping(leg, number) > _WARPING * leg.length:
             raise Skip(
                 f"{leg.name}: open section; its warping extends over more than a fifth of "

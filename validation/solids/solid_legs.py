@@ -49,6 +49,7 @@ from validation.solids.leg_meshes import (
     slices,
     static_slices,
 )
+from validation.solids.prism_legs import STATIONS, has_waves, sampled_prism_modes
 from validation.uncertainty.grid_convergence import (
     Convergence,
     analyse,
@@ -64,7 +65,6 @@ GRIDS_FOR_ORDER = 4
 # Additional modes, so that each beam mode has its partner among them even if the modes of solid and
 # beam are in different order.
 _SPARE_MODES = 6
-_STATIONS = 24
 _ENDS: tuple[Ends, Ends] = ("rigid", "free")
 # Group of tasks that share the cached results of the robot's solids.
 SHARED_SOLIDS = "robot.solid.modes"
@@ -131,8 +131,8 @@ class Refinement:
 class SolidModes:
     """Frequencies (m×k, Hz) on m meshes, in the order of the first k modes of the beam.
 
-    `mac` (m×k): MAC with the beam's modes. `unknowns` (m) of the meshes. `seconds` (m): CPU time
-    for mesh, factorisation and modes.
+    `mac` (m×k): MAC with the modes whose shapes decide. `unknowns` (m) of the meshes. `seconds`
+    (m): CPU time for mesh, factorisation and modes.
     """
 
     frequencies: Refinement
@@ -218,14 +218,21 @@ def _doubled_tips(leg: ConstantLeg, divisions: int, along: int) -> dict[Ends, Ar
 def solid_frequencies(
     leg: ConstantLeg, divisions: tuple[int, ...], ends: Ends, count: int
 ) -> SolidModes:
-    """First `count` frequencies of the clamped leg on each mesh, paired with the beam's modes."""
-    beam = beam_leg(leg.timoshenko, leg.length, ELEMENTS)
-    stations, lengths = centreline_samples(leg.length, _STATIONS)
+    """First `count` frequencies of the clamped leg on each mesh, paired with the beam's modes.
+
+    They are paired by shape. If the section does not have two axes of symmetry, the shapes are
+    those of the prism's modes that correspond to the modes of the beam (`prism_legs`).
+    """
+    stations, lengths = centreline_samples(leg.length, STATIONS)
     root = diags_array(np.sqrt(centreline_weights(leg.timoshenko, lengths)))
-    beam_modes = clamped_modes(beam, count)
-    target = sampled_modes(
-        beam_modes.frequencies, root @ (beam.centreline(stations) @ beam_modes.shapes)
-    )
+    if has_waves(leg):
+        beam = beam_leg(leg.timoshenko, leg.length, ELEMENTS)
+        beam_modes = clamped_modes(beam, count)
+        mode_frequencies, places = beam_modes.frequencies, np.arange(count)
+        twists = np.asarray(beam.centreline(stations) @ beam_modes.shapes)
+    else:
+        mode_frequencies, twists, places = sampled_prism_modes(leg, divisions[0], ends, count)
+    target = sampled_modes(mode_frequencies, root @ twists)
     frequencies, mac, unknowns, seconds = [], [], [], []
     for division_count in divisions:
         start = process_time()
@@ -235,8 +242,8 @@ def solid_frequencies(
         frequencies_on_mesh, pairs = _paired_modes(
             target, clamped, root @ section_twists(mesh, stations)
         )
-        frequencies.append(frequencies_on_mesh)
-        mac.append(pairs.mac)
+        frequencies.append(frequencies_on_mesh[places])
+        mac.append(pairs.mac[places])
         unknowns.append(mesh.nodes.size)
         seconds.append(process_time() - start)
     refinement = Refinement(divisions, np.array(frequencies), formal_order(leg, ends))
@@ -251,7 +258,7 @@ def line_frequencies(
     They are those of the modes with the shapes of the first `count` modes of `beam`, and NaN if
     there is no such mode.
     """
-    stations, lengths = centreline_samples(leg.line.length, _STATIONS)
+    stations, lengths = centreline_samples(leg.line.length, STATIONS)
     sections = leg.sections("timoshenko")
     masses = sections.at(sections.span_at(stations), stations).mass * lengths[:, None, None]
     root = block_diag([*np.swapaxes(np.linalg.cholesky(masses), 1, 2)], format="csr")

@@ -1,6 +1,7 @@
 """A solid leg compared with beams: orders of the differences in the length, and local modes."""
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -17,7 +18,7 @@ from lumped.legs import ConstantLeg, Material
 from lumped.mechanism.biglide import biglide
 from lumped.models.bodies import legs_of
 from lumped.robot_file import load_robot
-from lumped.sections import Composite, CompositePart, HollowRectangle, Rectangle, Tube
+from lumped.sections import Channel, Composite, CompositePart, HollowRectangle, Rectangle, Tube
 from lumped.system.assembly import assemble
 from lumped.system.solution import modes, solved
 from validation.case import Skip
@@ -206,6 +207,28 @@ def test_short_box_agrees_with_distortion(mode, expected, monkeypatch):
     # Four elements along the leg.
     assert abs(measurement.unexplained) < 5e-4 * measurement.reference
     assert outcome.verdict == "agree"
+
+
+def test_channel_agrees_with_section_modes(monkeypatch):
+    """Warping of a channel, 4 % of its first frequency, is explained; a wrong E is not."""
+    monkeypatch.setattr(leg_theory, "MODES", 2)
+    monkeypatch.setattr(leg_theory, "modal_divisions", four_elements)
+    monkeypatch.setattr(leg_theory, "solid_frequencies", cache(solid_frequencies))
+    monkeypatch.setattr("validation.solids.solid_legs.Refinement.uncertainty", lambda *_: 0.0)
+    leg = ConstantLeg(0.2, Channel(0.04, 0.06, 0.008, 0.008), STEEL)
+    outcome = measured_mode(leg, 1)
+    measurement = outcome.measurement
+    assert outcome.verdict == "agree"
+    assert measurement.difference / measurement.reference == pytest.approx(0.044, abs=1e-3)
+    for factor in (0.95, 1.05):
+
+        def wrong(*arguments, factor=factor):
+            beam = computed_properties(*arguments)
+            names = ("EA", "EIy", "EIz", "GJ", "GAy", "GAz")
+            return replace(beam, **{name: factor * getattr(beam, name) for name in names})
+
+        monkeypatch.setattr(leg_theory, "computed_properties", wrong)
+        assert measured_mode(leg, 1).verdict == "disagree"
 
 
 def two_coarse_meshes(*_):
