@@ -5,13 +5,26 @@ deflected there, and loads the wall by n α along the kink, across the wall. The
 plate, so that the leg yields to tension and bending. This adds works, of which upper bounds are
 known. D = E t³/12(1 − ν²) is the plate's stiffness.
 
-Box: a wall of width w is an infinite strip whose edges are simply supported. A load p = p₀ + p₁
-2y/w on the kink does the work
+Box: a wall of width w is an infinite strip whose edges do not deflect. If they were simply
+supported, a load p = p₀ + p₁ 2y/w on the kink would do the work
 
     w⁴ (c₀ p₀² + c₁ p₁²)/D,   c₀ = 2/π⁵ Σ 1/n⁵ (n odd),   c₁ = 1/16π⁵ Σ 1/m⁵
 
 (S. P. Timoshenko, S. Woinowsky-Krieger, Theory of Plates and Shells, ch. 5). Neighbouring walls
-restrain the edges, and normal stresses avoid the middle of the wall.
+turn together at their common edge. With the wave number k along the box and u = kw/2, a load p cos
+kx turns a simply supported edge by θ p/D, and a moment m cos kx on both edges turns it by φ m/D:
+
+    θ = −(tanh u − u/cosh² u)/2k³,          φ = (tanh u + u/cosh² u)/2k    for p₀, equal moments,
+    θ = 1/uk³ − (coth u + u/sinh² u)/2k³,   φ = (coth u − u/sinh² u)/2k    for p₁, opposite ones.
+
+Continuity at the edges of a pair of walls with p, θ, φ and its neighbours with p′, θ′, φ′ reduces
+the work by
+
+    4/πD ∫ (θp + θ′p′)²/(φ + φ′) dk,   k from 0 to ∞.
+
+If all walls of a square box are pressed inwards, their edges are clamped: this leaves 29 %. Solids
+with walls of 1/25 of their width and slopes of 5 to 20° have 50 to 90 % of the bound in tension,
+since normal stresses avoid the middle of the wall.
 
 I-section: half a flange is an infinite strip of width c, clamped to the web at s = 0 if the load is
 equal on both halves. Under bending about z the load is of opposite sense on them. Then the flange
@@ -31,8 +44,10 @@ No beam theory has this flexibility. It grows with α² and, relative to that of
 
 from collections.abc import Callable
 from itertools import pairwise
+from typing import TypeAlias
 
 import numpy as np
+from numpy.polynomial import legendre
 from scipy.linalg import eigh
 from scipy.special import zeta
 
@@ -48,6 +63,15 @@ _LINEAR = float(zeta(5) / (16.0 * np.pi**5))
 _STRAIGHT = 1e-9
 # Degree of the polynomials for deflections across half a flange. The works are exact to 1e-6.
 _DEGREE = 8
+# Number of wave numbers of integrals along the leg.
+_WAVES = 24
+# Half the width times the wave number below which slopes at edges are computed by series.
+_SERIES = 0.1
+# The same, beyond which terms that decay exponentially are zero.
+_FAR = 50.0
+
+# Width (m) of a pair of opposite walls, and m loads on them (N/m²).
+_Walls: TypeAlias = tuple[float, Array]
 
 
 def kink_compliances(leg: LineLeg) -> Array:
@@ -81,8 +105,8 @@ def kink_works(leg: LineLeg, resultants: Callable[[float], Array]) -> Array:
             np.subtract(span.last.extent, span.first.extent) / (span.end - span.start)
             for span in (before, after)
         ]
-        jumps = 0.5 * np.abs(rates[1] - rates[0])
-        angles = np.where(jumps > _STRAIGHT, jumps, 0.0)
+        jumps = 0.5 * (rates[1] - rates[0])
+        angles = np.where(np.abs(jumps) > _STRAIGHT, jumps, 0.0)
         at_kink = resultants(after.start)
         # At a step of the thickness, the walls of one side alone could bear the load.
         sides = [
@@ -95,8 +119,8 @@ def kink_works(leg: LineLeg, resultants: Callable[[float], Array]) -> Array:
 def _works(section: Section, material: Material, angles: Array, resultants: Array) -> Array:
     """Works (m, in J) at a kink of a section.
 
-    `angles` α (2, rad) are those of the walls across y, and of those across z. `resultants` (3×m)
-    are N, My and Mz there.
+    `angles` α (2, rad, with sign) are those of the walls across y, and of those across z.
+    `resultants` (3×m) are N, My and Mz there.
     """
     match section:
         case HollowRectangle():
@@ -117,15 +141,55 @@ def _box_works(tube: HollowRectangle, material: Material, angles: Array, loads: 
     t = tube.thickness
     b, h = tube.width - t, tube.height - t
     uniform, along_z, along_y = _stresses(tube, loads)
-    works = np.zeros(loads.shape[1])
-    for width, distance, angle, constant, linear in (
-        (h, b, angles[0], along_y, along_z),
-        (b, h, angles[1], along_z, along_y),
-    ):
-        squares = _UNIFORM * (uniform**2 + (0.5 * distance * constant) ** 2)
-        squares += _LINEAR * (0.5 * width * linear) ** 2
-        works += 2.0 * width**4 / _plate(material, t) * (t * angle) ** 2 * squares
-    return works
+    sides, flanges = t * angles[:, None] * np.ones_like(uniform)
+    tension = _frame_work((b, flanges * uniform), (h, sides * uniform), linear=False)
+    edge_z, edge_y = 0.5 * h * along_z, 0.5 * b * along_y
+    about_y = _frame_work((b, flanges * edge_z), (h, sides * edge_z), linear=True)
+    about_z = _frame_work((h, sides * edge_y), (b, flanges * edge_y), linear=True)
+    return (tension + about_y + about_z) / _plate(material, t)
+
+
+def _frame_work(first: _Walls, second: _Walls, *, linear: bool) -> Array:
+    """Work (m) of m loads on the kink of a box with plate stiffness D = 1.
+
+    `first` and `second` are pairs of opposite walls: width (m), and load (m, N/m²) at their edges.
+    It is uniform on the first pair, and on the second pair as well or, if `linear`, opposite at
+    their two edges.
+    """
+    (first_width, first_load), (second_width, second_load) = first, second
+    points, weights = legendre.leggauss(_WAVES)
+    # Wave numbers k from 0 to infinity, with the derivative of k.
+    scale = 4.0 / (first_width + second_width)
+    k, k_weights = scale * (1.0 + points) / (1.0 - points), scale * 2.0 / (1.0 - points) ** 2
+    first_slope, first_softness = _edge(k, first_width, linear=False)
+    second_slope, second_softness = _edge(k, second_width, linear=linear)
+    slopes = np.outer(first_slope, first_load) + np.outer(second_slope, second_load)
+    moments = slopes**2 / (first_softness + second_softness)[:, None]
+    restrained = 4.0 / np.pi * (weights * k_weights) @ moments
+    constants = _UNIFORM, _LINEAR if linear else _UNIFORM
+    supported = (
+        2.0 * constant * width**4 * load**2
+        for constant, (width, load) in zip(constants, (first, second), strict=True)
+    )
+    return sum(supported) - restrained
+
+
+def _edge(k: Array, width: float, *, linear: bool) -> tuple[Array, Array]:
+    """Slopes at the simply supported edges of a strip per load q cos kx, and per edge moment.
+
+    The load is uniform across the strip or, if `linear`, proportional to the distance from its
+    middle, like the moments. The plate stiffness is 1.
+    """
+    u = 0.5 * k * width
+    if not linear:
+        tanh, decaying = np.tanh(u), u / np.cosh(np.minimum(u, _FAR)) ** 2
+        return 0.5 * (tanh - decaying) / k**3, 0.5 * (tanh + decaying) / k
+    is_small = u < _SERIES
+    v = np.where(is_small, 1.0, u)
+    coth, decaying = 1.0 / np.tanh(v), v / np.sinh(np.minimum(v, _FAR)) ** 2
+    slope = np.where(is_small, u**3 / 45.0 - 4.0 * u**5 / 945.0, 0.5 * (coth + decaying) - 1.0 / v)
+    softness = np.where(is_small, u / 3.0 - 2.0 * u**3 / 45.0, 0.5 * (coth - decaying))
+    return slope / k**3, softness / k
 
 
 def _flange_works(section: ISection, material: Material, angle: float, loads: Array) -> Array:
