@@ -9,7 +9,7 @@ from support.fakes.toy_responses import NO_ROBOT
 from fem.beams.line_beam import line_beam
 from fem.multibody import require_beams
 from lumped.acceptance.requirement import DEFAULT_LIMITS
-from lumped.centre_line import CentreLine, LinePiece
+from lumped.centre_line import CentreLine, LinePiece, straight_line
 from lumped.errors import InputError
 from lumped.legs import ConstantLeg, LineLeg
 from lumped.mechanism.kinematics.postures import reference_posture
@@ -26,7 +26,7 @@ from validation.comparisons import line_distortion, line_leg_vs_solid
 from validation.comparisons.agreement_cases import DISTORTION
 from validation.comparisons.element_convergence import leg_convergence
 from validation.comparisons.line_distortion import flange_change, frequency_change, kink_change
-from validation.comparisons.line_leg_vs_solid import cases, neglected
+from validation.comparisons.line_leg_vs_solid import cases, neglected, neglected_in_modes
 from validation.context import Context
 from validation.models.leg_models import clamped_solid, leg_compliance
 from validation.models.loads.stability import stabilities
@@ -84,6 +84,7 @@ def test_beam_of_taper_agrees_with_its_solid():
     # Slope of the faces 0.04/2/0.8 = 1/40: its square is the theory's error.
     leg = legs_of(robot.mechanism)["boom"]
     assert neglected(leg) == pytest.approx([1.0 / 40.0**2] * 6, rel=1e-9)
+    assert neglected_in_modes(leg) == pytest.approx([1.0 / 40.0**2] * 4, rel=1e-9)
     assert abs(outcome.measurement.unexplained) < 2e-3 * outcome.measurement.reference
     assert outcome_of(robot, "boom.agrees[segments-solid-f1]").verdict == "agree"
 
@@ -110,6 +111,28 @@ def test_short_steep_taper_counts_by_its_energy(seed):
     slope = max(width * (1.0 - ratios[0]), height * (1.0 - ratios[1])) / (2.0 * taper)
     assert (allowed <= slope**2).all()
     assert (allowed[1:3] < 0.25 * slope**2).all()
+
+
+def test_taper_counts_by_strain_energy_of_mode():
+    """A short slight taper in a slender cantilever: the share of w″² in it and a height around it.
+
+    w″ of the first two modes in either plane, with cos βL cosh βL = −1.
+    """
+    side, length, start, end, change = 0.02, 1.0, 0.3, 0.35, 1e-5
+    first, last = Rectangle(side, 1.01 * side), Rectangle(side, 1.01 * side - change)
+    stations = (0.0, first), (start, first), (end, last), (length, last)
+    leg = LineLeg(straight_line(length), stations, LEG.material)
+    x = np.linspace(0.0, length, 20001)
+    counted = (x > start - 1.01 * side) & (x < end + 1.01 * side)
+    expected = []
+    for beta in (1.8751041, 4.6940911):
+        ratio = (np.cos(beta) + np.cosh(beta)) / (np.sin(beta) + np.sinh(beta))
+        bx = beta * x
+        squares = (np.cosh(bx) + np.cos(bx) - ratio * (np.sinh(bx) + np.sin(bx))) ** 2
+        expected += 2 * [squares[counted].sum() / squares.sum()]
+    slope = change / (2.0 * (end - start))
+    assert 0.05 < expected[0] < 0.2
+    assert neglected_in_modes(leg) / slope**2 == pytest.approx(expected, rel=0.03)
 
 
 def test_bound_for_kinked_walls_is_no_agreement(monkeypatch):
