@@ -32,11 +32,11 @@ from lumped.sections import (
     OutlinedSection,
     Section,
 )
-from meshes.quality import check
+from meshes.quality import LARGEST_ASPECT, LEAST_SCALED_JACOBIAN, check, quality
 from meshes.section.section_blocks import Divisions, element_length, has_blocks
 from meshes.section.section_mesh import SectionMesh, require_leg, section_mesh
 from meshes.solid_mesh import EndFace, SolidMesh
-from meshes.stepped import is_round, stepped_sections, stretched, why_no_common_mesh
+from meshes.stepped import is_mixed, is_round, stepped_sections, stretched, why_no_common_mesh
 
 # Rotation (rad) of the axes of the sections at a corner, relative to their mirror image, below
 # which outlines match.
@@ -94,9 +94,21 @@ def why_no_loft(leg: LineLeg) -> str:
 
 def _why_no_steps(leg: LineLeg) -> str:
     """Reason why a leg with steps has no solid mesh. "" if it has one."""
-    if reason := why_no_common_mesh(leg_sections(leg)):
+    if reason := why_no_common_mesh(leg.spans):
         return f"{reason}: give a short taper"
     common = stepped_sections(leg.spans, 1)
+    if is_mixed(leg.spans):
+        jacobians, aspects = quality(common.mesh)
+        corners = common.mesh.nodes[common.mesh.cells[:, :4]]
+        shortest = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).min()
+        # Longest elements of the coarsest solid.
+        longest = leg.line.length / slices_along(leg, 2)
+        most = max(aspects.max(), longest / shortest)
+        if jacobians.min() < LEAST_SCALED_JACOBIAN or most > LARGEST_ASPECT:
+            return (
+                "outlines of round and straight-edged sections nearly touch each other, so that "
+                "elements between them are distorted: change a size by 1 %"
+            )
     filled = [common.filled(number) for number in range(len(leg.spans))]
     for span, before, after in zip(leg.spans[1:], filled[:-1], filled[1:], strict=True):
         if not (before & after).any():
@@ -291,7 +303,7 @@ def _rotations(line: CentreLine) -> Array:
 def _why_no_mitre(leg: LineLeg) -> str:
     """Reason why a corner of a leg's line has no mitre that could be meshed. "" if all have one."""
     line, rotations = leg.line, _rotations(leg.line)
-    turnable = is_round(leg.stations[0][1])
+    turnable = all(is_round(section) for section in leg_sections(leg))
     for number in line.turns:
         place = f"the corner at {line.ends[number]:.4g} m along the line"
         if not turnable and np.abs(rotations[number] - np.eye(2)).max() > _SAME_AXES:

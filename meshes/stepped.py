@@ -3,19 +3,22 @@
 The lines or circles on which the edges of all sections lie divide the plane into blocks. Each
 section is a set of blocks. Both sides of a step therefore have the same nodes where they meet, and
 the solid is conforming. Either all sections have edges parallel to y and z, or all are circles and
-tubes. Where a section tapers, the lines move with its edges, and those of the other sections with
-them: the edges of a later section are lines of the mesh at the root that arrive there.
+tubes, or both kinds are rectangles and circles, solid or hollow (`meshes.section.star_mesh`). Where
+a section tapers, the lines move with its edges, and those of the other sections with them: the
+edges of a later section are lines of the mesh at the root that arrive there. In a leg with sections
+of both kinds, the lines at steps from one kind to the other are those of the mesh. Parts between
+two such steps are therefore constant, and parts at the ends of the leg may taper.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
+from itertools import groupby, pairwise
 from math import ceil, pi
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
-from lumped.arrays import Array, BoolArray, IntArray, distinct
+from lumped.arrays import Array, BoolArray, distinct
 from lumped.errors import InputError
 from lumped.legs import Span
 from lumped.memo import memo
@@ -30,13 +33,21 @@ from lumped.sections import (
     is_inside,
 )
 from meshes.section.section_blocks import WALL_ASPECT, Divisions, element_length, has_blocks
-from meshes.section.section_mesh import SectionMesh, counter_clockwise, section_mesh
+from meshes.section.section_mesh import (
+    SectionMesh,
+    counter_clockwise,
+    quadrilaterals,
+    section_mesh,
+)
+from meshes.section.star_mesh import Outline, star_mesh
 
 # Distance, as a fraction of the section's size, below which coordinates of corners count as one.
 _SAME_LINE = 1e-9
 _ROUND_OFF = 1e-9
 # Smallest number of elements along a quarter of a circle: a parabola is a poor arc of 90°.
 _LEAST_QUARTER = 2
+# Divisions of the coarsest mesh of round and straight-edged sections. Fewer have the same mesh.
+_COARSEST = 4
 
 
 def is_round(section: Section) -> bool:
@@ -44,13 +55,23 @@ def is_round(section: Section) -> bool:
     return isinstance(section, Circle | Tube)
 
 
-def why_no_common_mesh(sections: Sequence[Section]) -> str:
-    """Reason why sections cannot be cut from one mesh. "" if they can."""
+def is_mixed(spans: Sequence[Span]) -> bool:
+    """True for a leg with round and with straight-edged sections."""
+    return len({is_round(span.first) for span in spans}) > 1
+
+
+def why_no_common_mesh(spans: Sequence[Span]) -> str:
+    """Reason why the sections of a leg's spans cannot be cut from one mesh. "" if they can."""
+    sections = [section for span in spans for section in (span.first, span.last)]
     if all(is_round(section) for section in sections):
         return ""
     straight = Rectangle | HollowRectangle | ISection | OutlinedSection
     shapes = ", ".join(dict.fromkeys(section.shape for section in sections))
-    if not all(isinstance(section, straight) for section in sections):
+    inner_spans = [span for run in _runs(spans)[1:-1] for span in run]
+    if is_mixed(spans) and any(span.first != span.last for span in inner_spans):
+        return f"a taper between two steps of {shapes} has no mesh"
+    meshable = Circle | Tube | Rectangle | HollowRectangle if is_mixed(spans) else straight
+    if not all(isinstance(section, meshable) for section in sections):
         return f"a step between {shapes} has no mesh"
     if all(has_blocks(s) for s in sections if isinstance(s, OutlinedSection)):
         return ""
@@ -132,23 +153,55 @@ def stepped_sections(spans: tuple[Span, ...], divisions: Divisions) -> SteppedSe
     """
     sections = [section for span in spans for section in (span.first, span.last)]
     count = min(divisions) if isinstance(divisions, tuple) else divisions
+    layouts = [_layout(run) for run in _runs(spans)]
+    if is_mixed(spans):
+        # The first run ends with the lines of the mesh, all others begin with them.
+        first_run = reversed(_runs(spans)[0])
+        reverse = _layout([Span(s.start, s.end, s.last, s.first) for s in first_run])
+        layouts[0] = _Layout(reverse.ends[::-1], reverse.starts[::-1], reverse.edges[::-1])
+    edges = [axes for layout in layouts for axes in layout.edges]
+    if is_mixed(spans):
+        mesh = _mesh_of_outlines(edges, sections, count)
+    else:
+        gap = _SAME_LINE * max(max(section.extent) for section in sections)
+        lines = [distinct(np.sort(np.concatenate(axis)), gap) for axis in zip(*edges, strict=True)]
+        mesh = _mesh_on(lines, sections, count)
+    starts = tuple(stretches for layout in layouts for stretches in layout.starts)
+    ends = tuple(stretches for layout in layouts for stretches in layout.ends)
+    common = SteppedSections(mesh, spans, starts, ends)
+    kept = np.any([common.filled(number) for number in range(len(spans))], axis=0)
+    return replace(common, mesh=_part(mesh, kept))
+
+
+def _runs(spans: Sequence[Span]) -> list[list[Span]]:
+    """Successive spans of a leg, grouped if their sections are of one kind, round or straight."""
+    return [list(run) for _, run in groupby(spans, key=lambda span: is_round(span.first))]
+
+
+class _Layout(NamedTuple):
+    """Stretches of the mesh at both ends of k spans, and the lines of the mesh on their edges."""
+
+    starts: list[_Stretches]
+    ends: list[_Stretches]
+    edges: list[list[Array]]
+
+
+def _layout(spans: Sequence[Span]) -> _Layout:
+    """Layout of spans whose sections are of one kind. The first span begins without a stretch."""
     stretches: _Stretches = tuple(
         _Stretch(np.zeros(1), np.zeros(1)) for _ in _edges(spans[0].first)
     )
-    starts, ends, edges = [], [], []
+    layout = _Layout([], [], [])
     for span in spans:
-        starts.append(stretches)
-        edges.append([s.inverse(e) for s, e in zip(stretches, _edges(span.first), strict=True)])
+        layout.starts.append(stretches)
+        layout.edges.append(
+            [s.inverse(e) for s, e in zip(stretches, _edges(span.first), strict=True)]
+        )
         if span.first != span.last:
             taper = _stretches(span.first, span.last)
             stretches = tuple(s.then(t) for s, t in zip(stretches, taper, strict=True))
-        ends.append(stretches)
-    gap = _SAME_LINE * max(max(section.extent) for section in sections)
-    lines = [distinct(np.sort(np.concatenate(axis)), gap) for axis in zip(*edges, strict=True)]
-    mesh = _mesh_on(lines, sections, count)
-    layout = SteppedSections(mesh, spans, tuple(starts), tuple(ends))
-    kept = np.any([layout.filled(number) for number in range(len(spans))], axis=0)
-    return replace(layout, mesh=_part(mesh, kept))
+        layout.ends.append(stretches)
+    return layout
 
 
 def _edges(section: Section) -> tuple[Array, ...]:
@@ -172,6 +225,25 @@ def _mesh_on(lines: list[Array], sections: Sequence[Section], count: int) -> Sec
         size = min(size, WALL_ASPECT * min(float(np.diff(values).min()) for values in lines))
     ys, zs = (_subdivided(values, size, ceil(count / 4)) for values in lines)
     return _grid_mesh(ys, zs)
+
+
+def _mesh_of_outlines(
+    edges: Sequence[Sequence[Array]], sections: Sequence[Section], count: int
+) -> SectionMesh:
+    """Mesh of circles and rectangles with one centre, of which all outlines are lines of the mesh.
+
+    `edges` are the y and z of the edges of each rectangle, or the radii of each circle with zero.
+    `count` is the number of elements across the smaller side of the smallest of the `sections`.
+    """
+    outlines = [
+        Outline(y, z, is_round=len(axes) == 1)
+        for axes in edges
+        for y, z in zip(axes[0].tolist(), axes[-1].tolist(), strict=True)
+        if y > 0.0
+    ]
+    size = min(element_length(section, _COARSEST) for section in sections)
+    is_solid = any(isinstance(section, Circle | Rectangle) for section in sections)
+    return star_mesh(outlines, size, ceil(count / _COARSEST), has_core=is_solid)
 
 
 def stretched(nodes: Array, reference: Section, section: Section) -> Array:
@@ -243,17 +315,7 @@ def _subdivided(lines: Array, size: float, least: int) -> Array:
 def _grid_mesh(ys: Array, zs: Array) -> SectionMesh:
     """Nine-node quadrilaterals on the nodes at all pairs of `ys` and `zs`."""
     nodes = np.column_stack([np.tile(ys, len(zs)), np.repeat(zs, len(ys))])
-    return SectionMesh(nodes, _quadrilaterals(len(ys), len(zs), len(ys)), "quad9")
-
-
-def _quadrilaterals(across: int, along: int, period: int) -> IntArray:
-    """Cells (M×9) on a grid of `across` × `along` nodes, numbered row by row.
-
-    Nodes of a row are numbered modulo `period`: a row is closed if it has one node more.
-    """
-    column, row = np.meshgrid(np.arange(0, across - 1, 2), np.arange(0, along - 1, 2))
-    steps = [(0, 0), (2, 0), (2, 2), (0, 2), (1, 0), (2, 1), (1, 2), (0, 1), (1, 1)]
-    return np.column_stack([((column + i) % period + (row + j) * period).ravel() for i, j in steps])
+    return SectionMesh(nodes, quadrilaterals(len(ys), len(zs), len(ys)), "quad9")
 
 
 def _discs(radii: Array, longest: float, count: int, *, has_core: bool) -> SectionMesh:
@@ -280,7 +342,7 @@ def _discs(radii: Array, longest: float, count: int, *, has_core: bool) -> Secti
         directions = nodes[rim] / np.hypot(*nodes[rim].T)[:, None]
         first = len(nodes)
         outer = (layers[:, None, None] * directions).reshape(-1, 2)
-        ring = _quadrilaterals(len(rim) + 1, len(layers) + 1, len(rim))
+        ring = quadrilaterals(len(rim) + 1, len(layers) + 1, len(rim))
         numbers = np.concatenate([rim, first + np.arange(len(outer))])
         nodes = np.vstack([nodes, outer])
         cells = np.vstack([cells, counter_clockwise(nodes, numbers[ring], "quad9")])

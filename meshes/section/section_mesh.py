@@ -242,6 +242,16 @@ def counter_clockwise(nodes: Array, cells: IntArray, element: SectionElement) ->
     return np.where(clockwise[:, None], cells[:, _REVERSED[element]], cells)
 
 
+def quadrilaterals(across: int, along: int, period: int) -> IntArray:
+    """Cells (M×9) on a grid of `across` × `along` nodes, numbered row by row.
+
+    Nodes of a row are numbered modulo `period`: a row is closed if it has one node more.
+    """
+    column, row = np.meshgrid(np.arange(0, across - 1, 2), np.arange(0, along - 1, 2))
+    steps = [(0, 0), (2, 0), (2, 2), (0, 2), (1, 0), (2, 1), (1, 2), (0, 1), (1, 1)]
+    return np.column_stack([((column + i) % period + (row + j) * period).ravel() for i, j in steps])
+
+
 def symmetrised(nodes: Array, part: str) -> Array:
     """Nodes (N×2, in m) of a section mesh, made exactly symmetric about both axes.
 

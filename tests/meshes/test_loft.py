@@ -162,6 +162,10 @@ STEPS = {
     "I onto channel": (ISection(0.08, 0.1, 0.008, 0.006), Channel(0.05, 0.1, 0.008, 0.006), 2),
     "tube onto circle": (Tube(0.06, 0.01), Circle(0.05), 4),
     "tubes": (Tube(0.06, 0.01), Tube(0.05, 0.01), 4),
+    "tube onto plate": (Tube(0.06, 0.01), Rectangle(0.1, 0.08), 4),
+    "tube through walls of box": (Tube(0.14, 0.01), HollowRectangle(0.15, 0.15, 0.01), 4),
+    "circle across sides": (Circle(0.068), Rectangle(0.06, 0.06), 4),
+    "circle through corners": (Circle(0.05), Rectangle(0.04, 0.03), 4),
 }
 
 
@@ -173,7 +177,7 @@ def test_stepped_leg_passes_patch_test(step):
     """
     first, second, divisions = STEPS[step]
     leg = stepped(first, second)
-    mesh = assert_patch(leg, divisions, 1e-3 if isinstance(first, Tube) else 1e-10)
+    mesh = assert_patch(leg, divisions, 1e-3 if isinstance(first, Circle | Tube) else 1e-10)
     for face, section in ((mesh.root, first), (mesh.tip, second)):
         assert np.ptp(face.mesh.nodes, axis=0) == pytest.approx(section.extent, rel=1e-9)
     motions = section_twists(mesh, mesh.positions) @ rigid_motions(mesh.nodes, np.zeros(3))
@@ -198,6 +202,11 @@ TAPERED_STEPS = {
         (Circle(0.05), Circle(0.04)),
         (Tube(0.04, 0.01), Tube(0.03, 0.005)),
     ),
+    "cone, box and tapered shaft": (
+        (Circle(0.05), Circle(0.068)),
+        (Rectangle(0.06, 0.06), Rectangle(0.06, 0.06)),
+        (Tube(0.068, 0.014), Tube(0.056, 0.01)),
+    ),
 }
 
 
@@ -207,7 +216,7 @@ def test_steps_between_tapers_pass_patch_test(shapes):
     sections = list(chain.from_iterable(TAPERED_STEPS[shapes]))
     stations = zip((0.0, 0.3, 0.3, 0.6, 0.6, 1.0), sections, strict=True)
     leg = LineLeg(STRAIGHT, tuple(stations), STEEL)
-    is_round = isinstance(sections[0], Tube)
+    is_round = isinstance(sections[0], Circle | Tube)
     # Parabolas instead of arcs.
     mesh = assert_patch(leg, 4 if is_round else 2, 1e-3 if is_round else 1e-10, 12)
     for face, section in ((mesh.root, sections[0]), (mesh.tip, sections[-1])):
@@ -239,12 +248,18 @@ def test_unmeshable_leg_along_line_is_refused():
     constants = SectionProperties(1e-3, 1e-7, 1e-7, 1e-7)
     cubic = Material(E=2.1e11, G=9e10, nu=0.3, rho=7850.0)
     triangle = [Polygon(((0.0, 0.0), (size, 0.0), (0.0, size))) for size in (0.06, 0.05)]
+    positions, between = (0.0, 0.3, 0.3, 0.6, 0.6, 1.0), [Circle(0.05)] * 2 + [square, small]
+    between += [Circle(0.05)] * 2
     reasons = {
         "no shape": tapered(STRAIGHT, constants, constants),
         "mitres of corners are longer than the inner side": tapered(TIGHT, square, square),
         "`up` is neither in its plane nor in the plane that": tapered(LEANING, square, square),
         "mitres of corners are longer than": tapered(SHORT, square, square),
-        "a step between rectangle, circle has no mesh": stepped(square, Circle(0.05)),
+        "a step between channel, circle has no mesh": stepped(TAPERS["channel"][0], Circle(0.05)),
+        "nearly touch each other, so that": stepped(square, Circle(0.06)),
+        "a taper between two steps of circle, rectangle has no mesh": LineLeg(
+            STRAIGHT, tuple(zip(positions, between, strict=True)), STEEL
+        ),
         "a step between rectangle, polygon has no mesh: not all": stepped(square, triangle[0]),
         "the step at 0.4 m along the line do not touch": stepped(
             HollowRectangle(0.06, 0.06, 0.005), small

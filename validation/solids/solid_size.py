@@ -14,6 +14,7 @@ from lumped.legs import ConstantLeg, Leg, LineLeg, SectionedLeg, line_length
 from lumped.text import counted
 from meshes.loft import leg_sections, mesh_section, why_no_loft
 from meshes.section.section_blocks import element_length, section_blocks, sides_of
+from meshes.stepped import is_mixed, stepped_sections
 from validation.context import PRESETS, Preset
 
 # Largest number of unknowns of one solid that a run factorises: about 20 s and 2 GB, 50 s and 5 GB,
@@ -34,6 +35,8 @@ def solid_unknowns(leg: SectionedLeg, divisions: int) -> float:
     section, length = max(sections, key=lambda part: part.area), line_length(leg)
     size = min(element_length(part, divisions) for part in sections)
     slices = max(2, ceil(length / size))
+    if isinstance(leg, LineLeg) and is_mixed(leg.spans):
+        return 3.0 * len(stepped_sections(leg.spans, divisions).mesh.nodes) * (2.0 * slices + 1.0)
     try:
         blocks = section_blocks(section, divisions)
         sides = (sides_of(blocks, corners) for corners in blocks.corners)
