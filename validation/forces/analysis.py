@@ -24,7 +24,7 @@ from lumped.system.members import MemberForces
 from validation.context import Context
 from validation.forces.record import Forces
 from validation.forces.results import ForcesUnderLoad, PoseForces
-from validation.forces.solids import solid_stresses
+from validation.forces.solids import require_fields, solid_stresses
 from validation.forces.stresses import member_stress, reason_without_stress
 from validation.kinematics.poses import postures_on_path
 from validation.models.loads.statics import LoadForces, load_forces
@@ -79,6 +79,8 @@ def forces(
     postures = postures_on_path(mechanism, mechanism.poses) if on_path else question.postures()
     if solids and len(mechanism.loads) * len(postures) > 1:
         raise InputError("--vtu: writes one load in one pose; name them with --load and --pose")
+    if solids:
+        require_fields(mechanism, mechanism.loads[0])
     robot = robot_at(Context(question.robot_file, "quick"), postures)
     return forces_in(
         robot, question.model, question.options, question.effective_options, solids=solids

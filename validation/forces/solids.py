@@ -35,7 +35,7 @@ from meshes.reentrant_edges import reentrant_nodes
 from meshes.solid_mesh import EndFace, VolumeMesh
 from validation.models.loads.pressures import pressed_faces
 from validation.models.loads.statics import BodyEnds
-from validation.models.options import ModelOptions
+from validation.models.options import DEFAULT_OPTIONS, ModelOptions
 from validation.models.reduced_parts import found_in, shape_of, unknowns_of
 from validation.models.robot_bodies import sectioned_legs
 from validation.parts.meshes import FINEST, part_mesh
@@ -90,19 +90,33 @@ class _Solid:
     pressures: Array
 
 
-def solid_stresses(
-    posture: Posture, load: Load, ends: Mapping[str, BodyEnds], options: ModelOptions
-) -> dict[str, SolidStress]:
-    """Stress fields of all legs and CAD parts under a load, by name.
+def require_fields(mechanism: Mechanism, load: Load) -> None:
+    """Raise InputError for a load along legs and for legs of several materials.
 
-    `ends`: wrenches and twists of the interfaces, by name of the body. Raises InputError for a load
-    distributed along a leg, because its distribution over the section is not known.
+    Stress fields need the distribution of a load over the sections, which is not known of the
+    former, and the solid of a composite leg has one mean material.
     """
     if load.lines:
         raise InputError(
             f"--vtu: load {load.name} acts along legs; stress fields need its distribution "
             "over the sections, which is not known"
         )
+    for name, leg, _ in sectioned_legs(mechanism, DEFAULT_OPTIONS):
+        sections = leg_sections(leg) if isinstance(leg, LineLeg) else (leg.section,)
+        if not all(section.is_uniform for section in sections):
+            raise InputError(
+                f"--vtu: {name} has no stress field, its section has several materials"
+            )
+
+
+def solid_stresses(
+    posture: Posture, load: Load, ends: Mapping[str, BodyEnds], options: ModelOptions
+) -> dict[str, SolidStress]:
+    """Stress fields of all legs and CAD parts under a load, by name.
+
+    `ends`: wrenches and twists of the interfaces, by name of the body. `require_fields` must accept
+    the mechanism and the load.
+    """
     pressures = _pressures(posture.mechanism, load)
     motions = accelerations(posture, load.speed, load.acceleration) if load.moves_tool else {}
     legs = {
@@ -131,11 +145,6 @@ def solid_stresses(
 
 
 def _leg(leg: SectionedLeg, options: ModelOptions, divisions: int) -> _Solid:
-    sections = leg_sections(leg) if isinstance(leg, LineLeg) else (leg.section,)
-    if not all(section.is_uniform for section in sections):
-        raise InputError(
-            f"--vtu: {leg.name} has no stress field, its section has several materials"
-        )
     mesh = solid_mesh(leg, divisions)
     solid = solid_leg(leg, mesh)
     faces = mesh.faces if isinstance(mesh, LoftedMesh) else (mesh.root.mesh,)

@@ -258,7 +258,7 @@ def _screw_faults(drive: DriveEntry, screw: ScrewEntry, key: str, kind: str) -> 
     if kind != "prismatic":
         yield f"{key}: does not belong to a {kind} joint; must be a prismatic one"
     if screw.span is not None and screw.span <= screw.length:
-        yield f"{key}.span: must be above the length to the nut"
+        yield f"{key}.span: must be above {key}.length, the length to the nut"
     nut = screw.nut
     if isinstance(nut, NutEntry):
         yield from _nut_faults(nut, f"{key}.nut")

@@ -50,7 +50,8 @@ def leg_faults(leg: LegDraft) -> Iterator[str]:
             if present_keys
             else "neither compliance nor section"
         )
-        yield f"{key}: {reason}; must have either compliance and mass, or section and material"
+        section = "one of section and sections" if "sections" in present_keys else "section"
+        yield f"{key}: {reason}; must have either compliance and mass, or {section} and material"
     elif entry.ends is not None and compliance is not None:
         yield f"{key}.ends: must be left out, because {key}.compliance includes the ends"
     elif entry.loss is not None and entry.material is not None:

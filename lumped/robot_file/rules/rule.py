@@ -339,7 +339,11 @@ class Either(Rule):
 
     def faults(self, value: object, key: str) -> list[str]:
         meant = self._meant(value)
-        return [self.refused(value, key)] if meant is None else meant.faults(value, key)
+        if meant is None:
+            return [self.refused(value, key)]
+        faults = meant.faults(value, key)
+        # A text that is none of the choices may have been meant as the other type.
+        return [self.refused(value, key)] if faults and isinstance(meant, OneOf) else faults
 
     def read(self, value: Any) -> Any:
         meant = self._meant(value)

@@ -251,7 +251,8 @@ FAULTS = {
         "radial, tilting"
     ),
     'stiffness = { axial = "stiff", radial = 1.0e8, tilting = 1.0e5 }': (
-        'joints.a.stiffness.axial = "stiff": must be "rigid"'
+        'joints.a.stiffness.axial = "stiff": must be a number above 0 N/m and at most 1e+15 N/m '
+        'or "rigid"'
     ),
     'stiffness = { axial = 0.0, radial = "rigid", tilting = "rigid" }': (
         "joints.a.stiffness.axial = 0.0: must be above 0 N/m"

@@ -258,7 +258,10 @@ def test_nut_beyond_screw_bearing_is_refused():
 
 
 FAULTS = {
-    ", span = 0.3": "joints.axis.drive.screw.span: must be above the length to the nut",
+    ", span = 0.3": (
+        "joints.axis.drive.screw.span: must be above joints.axis.drive.screw.length, the length to "
+        "the nut"
+    ),
     ', positive = "out"': (
         'joints.axis.drive.screw.positive = "out": must be "longer" or "shorter"'
     ),

@@ -5,19 +5,17 @@ import tomllib
 import numpy as np
 import pytest
 from support.robots.crane import write_crane
-from support.robots.plane_frames import CANTILEVER, RHO, B, H, L
+from support.robots.plane_frames import BAR, CANTILEVER, RHO, B, H, L
 
 import flexproof as fp
 from fem.bodies.stresses import away_from, nodal_stresses, von_mises
 from lumped.errors import InputError
-from lumped.legs import ConstantLeg, Material
-from lumped.sections import Composite, CompositePart, Rectangle
+from lumped.legs import Material
+from lumped.sections import Rectangle
 from meshes.prism import hexahedra, tetrahedra
 from validation.forces.analysis import forces
 from validation.forces.record import as_text
-from validation.forces.solids import _leg as leg_solid
 from validation.forces.solids import vtu_of
-from validation.models.options import DEFAULT_OPTIONS
 from validation.solve.question import Question
 
 STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
@@ -212,13 +210,26 @@ def test_cad_part_bends_as_its_sections(tmp_path):
     assert clamp.drive == pytest.approx(clamp.wrench[3], rel=1e-9)
 
 
-def test_composite_leg_has_no_stress_field():
-    """The solid has one mean material. Its stresses would be wrong in both real materials."""
-    lower, upper = (
-        CompositePart(Rectangle(0.05, 0.02), E, 0.3, 7850.0, at=(0.0, z))
-        for E, z in ((2.1e11, 0.0), (7.0e10, 0.02))
-    )
-    section = Composite((lower, upper))
-    leg = ConstantLeg(0.2, section, Material(*section.mean_material), name="arm")
-    with pytest.raises(InputError, match="--vtu: arm has no stress field"):
-        leg_solid(leg, DEFAULT_OPTIONS, 1)
+METAL = "{ E = 7.0e10, nu = 0.3, rho = 2700.0 }"
+HALF = '{ section = { shape = "rectangle", width = 0.05, height = 0.02 }, material = '
+TWO_METALS = f'{HALF}"steel" }}, {HALF}"alloy", at = [0.0, 0.02] }}'
+LINE = 'lines = [{ leg = "bar", wrench = [0.0, 0.0, -9.0, 0.0, 0.0, 0.0] }]'
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (LOADED + LINE, "--vtu: load push acts along legs"),
+        (
+            LOADED.replace(BAR, f'section = {{ shape = "composite", parts = [{TWO_METALS}] }}')
+            + f"[materials]\nsteel = {METAL}\nalloy = {METAL}\n",
+            "--vtu: bar has no stress field, its section has several materials",
+        ),
+    ],
+    ids=["load along leg", "composite"],
+)
+def test_unknown_stress_field_is_refused_first(text, message, monkeypatch):
+    """Refused before anything is solved: the solid of a composite leg has one mean material."""
+    monkeypatch.setattr("validation.forces.analysis.forces_in", None)
+    with pytest.raises(InputError, match=message):
+        solid_field(text)
