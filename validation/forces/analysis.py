@@ -25,7 +25,7 @@ from validation.context import Context
 from validation.forces.record import Forces
 from validation.forces.results import ForcesUnderLoad, PoseForces
 from validation.forces.solids import require_fields, solid_stresses
-from validation.forces.stresses import member_stress, reason_without_stress
+from validation.forces.stresses import laminate_stress, member_stress, reason_without_stress
 from validation.kinematics.poses import postures_on_path
 from validation.models.loads.statics import LoadForces, load_forces
 from validation.models.options import ModelName, ModelOptions
@@ -177,10 +177,12 @@ def _under_load(mechanism: Mechanism, result: LoadForces, widths: Array) -> Forc
         replace(member, half_width=member.half_width + width)
         for member, width in zip(result.members, widths[count:], strict=True)
     )
-    stresses = {}
-    without = {}
+    stresses, laminates, without = {}, {}, {}
     for member in members:
         shape = mechanism.bodies[member.leg].shape
+        if isinstance(shape, ConstantLeg) and (layers := laminate_stress(shape, member)):
+            laminates[member.leg] = layers
+            continue
         reason = reason_without_stress(shape)
         stress = None
         if not reason and isinstance(shape, ConstantLeg | LineLeg):
@@ -190,7 +192,7 @@ def _under_load(mechanism: Mechanism, result: LoadForces, widths: Array) -> Forc
             without[member.leg] = reason
         else:
             stresses[member.leg] = stress
-    return ForcesUnderLoad(reactions, members, stresses, without)
+    return ForcesUnderLoad(reactions, members, stresses, without, laminates)
 
 
 def _force_model(model: ModelName, options: ModelOptions) -> Model:

@@ -16,6 +16,7 @@ from validation.drawing.chart import Chart
 from validation.drawing.style import csv_of
 from validation.forces.chart import forces_chart
 from validation.forces.results import (
+    LAYER_STRESSES,
     REACTION_UNITS,
     REACTIONS,
     SECTION_FORCES,
@@ -24,12 +25,17 @@ from validation.forces.results import (
     largest_of,
     shown,
 )
+from validation.forces.stresses import LaminateStress
 from validation.models.options import ModelName
 from validation.record_fields import finite, finite_items
 from validation.tables import Cell, ResultTable, html_paragraph
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+
+# Keys of the stresses of a layer in JSON, in the order of `LAYER_STRESSES`.
+_LAYER_KEYS = ("along_fibres", "across_fibres", "shear")
 
 
 @dataclass(frozen=True)
@@ -132,6 +138,41 @@ class Forces:
         ]
         stress_headings = ("von Mises (MPa)", "half-width (MPa)", "at (m)")
         return ResultTable(("at", "load", "leg", *headings, *stress_headings), tuple(rows))
+
+    def layer_table(self) -> ResultTable:
+        """Stresses of the fibre layers of legs, a row for each pose, load, leg and layer.
+
+        Returns
+        -------
+        ResultTable
+            Layer from the inside with its angle (degrees), and the smallest and largest stresses
+            (MPa) over the leg along the fibres, across them, and in shear, each followed by its
+            half-width. Without rows if no leg has layers.
+
+        Examples
+        --------
+        >>> len(pushed.layer_table().rows)
+        0
+        """
+        rows: list[tuple[Cell, ...]] = [
+            (
+                pose_text,
+                load,
+                laminate.leg,
+                layer,
+                angle,
+                *(1e-6 * number for stress in stresses for number in stress),
+            )
+            for pose_text, load, result in self._results()
+            for laminate in result.laminates.values()
+            for layer, (angle, stresses) in enumerate(_layers(laminate), start=1)
+        ]
+        headings = [
+            f"{name} {extreme} (MPa)"
+            for name in LAYER_STRESSES
+            for extreme in ("min", "max", "half-width")
+        ]
+        return ResultTable(("at", "load", "leg", "layer", "angle (°)", *headings), tuple(rows))
 
     def plot(self) -> "Figure":
         """Plot of forces along the legs in one pose, or of joints, drives and legs over all poses.
@@ -253,6 +294,12 @@ class Forces:
             for leg, stress in result.stresses.items():
                 largest = ("von Mises", stress.station, stress.largest, "Pa", stress.half_width)
                 yield (pose_text, load, leg, *largest)
+            for leg, laminate in result.laminates.items():
+                for layer, (_, stresses) in enumerate(_layers(laminate), start=1):
+                    for name, (*extremes, width) in zip(LAYER_STRESSES, stresses, strict=True):
+                        for extreme, value in zip(("min", "max"), extremes, strict=True):
+                            quantity = f"{extreme} {name} of layer {layer}"
+                            yield (pose_text, load, leg, quantity, None, value, "Pa", width)
 
     def __repr__(self) -> str:
         places = self.poses[0].place if len(self.poses) == 1 else f"{len(self.poses)} poses"
@@ -261,6 +308,18 @@ class Forces:
     def _repr_html_(self) -> str:
         heading = html_paragraph(f"{self.robot}, {self.model}")
         return heading + self.table().html() + self.member_table().html()
+
+
+def _layers(
+    laminate: LaminateStress,
+) -> Iterator[tuple[float, list[tuple[float, float, float]]]]:
+    """Yield the angle (degrees) of each layer and its stresses along and across fibres, in shear.
+
+    A stress is the smallest and the largest value over the leg, and the half-width (Pa).
+    """
+    for row, angle in enumerate(laminate.angles):
+        columns = (laminate.smallest[row], laminate.largest[row], laminate.half_widths[row])
+        yield angle, list(zip(*(column.tolist() for column in columns), strict=True))
 
 
 def _record(result: ForcesUnderLoad) -> dict[str, Any]:
@@ -292,6 +351,19 @@ def _record(result: ForcesUnderLoad) -> dict[str, Any]:
                 **({"parts": list(stress.parts)} if stress.parts else {}),
             }
             for leg, stress in result.stresses.items()
+        },
+        "layers": {
+            leg: [
+                {
+                    "angle": angle,
+                    **{
+                        name: {"min": low, "max": high, "half_width": finite(width)}
+                        for name, (low, high, width) in zip(_LAYER_KEYS, stresses, strict=True)
+                    },
+                }
+                for angle, stresses in _layers(laminate)
+            ]
+            for leg, laminate in result.laminates.items()
         },
         "without_stress": dict(result.without_stress),
         "solids": {
@@ -364,6 +436,18 @@ def _lines(result: ForcesUnderLoad) -> list[str]:
             if stress.parts:
                 parts = ", ".join(f"{1e-6 * largest:.4g}" for largest in stress.parts)
                 lines.append(f"{_INDENT}{leg}: in that section, largest in each part: {parts} MPa")
+    if result.laminates:
+        lines.append(
+            "  smallest to largest stresses (MPa) of layers from the inside, along and across "
+            "fibres, in shear (laminate theory):"
+        )
+        headings = ["leg", "layer", "angle (°)", *LAYER_STRESSES]
+        rows = [
+            [leg, str(layer), f"{angle:g}", *map(_range_text, stresses)]
+            for leg, laminate in result.laminates.items()
+            for layer, (angle, stresses) in enumerate(_layers(laminate), start=1)
+        ]
+        lines.append(aligned(headings, rows, _INDENT))
     for body, solid in result.solids.items():
         point = ", ".join(f"{value:.4g}" for value in solid.place)
         lines.append(
@@ -383,6 +467,11 @@ def _lines(result: ForcesUnderLoad) -> list[str]:
             "  –: statically indeterminate; loops of rigid bodies carry any self-balanced forces"
         )
     return lines
+
+
+def _range_text(stress: tuple[float, float, float]) -> str:
+    low, high, width = (1e-6 * number for number in stress)
+    return f"{low:.4g} to {high:.4g} ± {width:.2g}"
 
 
 def _with_units(names: Sequence[str]) -> list[str]:

@@ -14,12 +14,14 @@ from lumped.arrays import Array
 from lumped.system.members import MemberForces
 from lumped.system.reactions import Reaction
 from validation.forces.solids import SolidStress
-from validation.forces.stresses import MemberStress
+from validation.forces.stresses import LaminateStress, MemberStress
 from validation.record_fields import finite_items
 
 REACTION_UNITS = ("N", "N", "N", "N m", "N m", "N m")
 REACTIONS = ("Fx", "Fy", "Fz", "Mx", "My", "Mz")
 SECTION_FORCES = ("N", "Qy", "Qz", "T", "My", "Mz")
+# Stresses of a layer of fibres, along the fibres, across them, and in shear.
+LAYER_STRESSES = ("σ1", "σ2", "τ12")
 # Share of the largest force or moment of a load below which a number is round-off, shown as zero.
 _ROUND_OFF = 1e-9
 
@@ -28,14 +30,16 @@ _ROUND_OFF = 1e-9
 class ForcesUnderLoad:
     """Reactions of joints, and forces and stresses of legs, under one load in one pose.
 
-    `stresses` are the largest stresses of legs by name, `without_stress` the reasons for which
-    other legs have none. `solids` are the stress fields of bodies as solids, if requested.
+    `stresses` are the largest stresses of legs by name, `laminates` those of the layers of legs of
+    fibre layers, and `without_stress` the reasons for which other legs have none. `solids` are the
+    stress fields of bodies as solids, if requested.
     """
 
     reactions: tuple[Reaction, ...]
     members: tuple[MemberForces, ...]
     stresses: Mapping[str, MemberStress]
     without_stress: Mapping[str, str]
+    laminates: Mapping[str, LaminateStress] = field(default_factory=dict)
     solids: Mapping[str, SolidStress] = field(default_factory=dict)
 
 

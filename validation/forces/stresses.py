@@ -31,6 +31,7 @@ from functools import partial
 import numpy as np
 import scipy.optimize
 
+from fem.sections.layer_stresses import LayerStresses, layer_stresses
 from fem.sections.moduli import part_materials, part_moduli
 from fem.sections.part_stresses import PartStresses, part_stresses
 from fem.sections.stresses import SectionStresses, arc_stresses, curved_stresses
@@ -41,7 +42,7 @@ from lumped.line_sections import TOGETHER
 from lumped.mechanism.body import Shape
 from lumped.memo import memo
 from lumped.screws import rotation_vector
-from lumped.sections import Composite, HollowRectangle, Polygon, Section, Tube
+from lumped.sections import Composite, HollowRectangle, Laminate, Polygon, Section, Tube
 from lumped.sections.polygons import wall_thickness
 from lumped.sections.shapes import WalledProfile
 from lumped.system.members import MemberForces
@@ -85,6 +86,51 @@ class MemberStress:
     stations: Array
     along: Array
     parts: tuple[float, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class LaminateStress:
+    """Smallest and largest stresses (Pa) of the layers of a leg's wall, by laminate theory.
+
+    Rows are the layers from the inside, with their `angles` (degrees). Columns are the stresses
+    along the fibres, across them, and in shear. `smallest` and `largest` (L×3) are extremes over
+    the leg. `half_widths` (L×3) cover the error of laminate theory and the half-widths of the
+    section forces. Array sizes: L layers.
+    """
+
+    leg: str
+    angles: tuple[float, ...]
+    smallest: Array
+    largest: Array
+    half_widths: Array
+
+
+def laminate_stress(leg: ConstantLeg, member: MemberForces) -> LaminateStress | None:
+    """Smallest and largest stresses of the layers of a leg.
+
+    None if the leg has no layers, or if its section forces are statically indeterminate.
+    """
+    section = leg.section
+    if not isinstance(section, Laminate) or not np.isfinite(member.forces).all():
+        return None
+    layers = range(len(section.layers))
+
+    def by_layer(values: Array, stresses: LayerStresses) -> Array:
+        return np.array([values[stresses.layers == layer].max(axis=0) for layer in layers])
+
+    along = [layer_stresses(section, leg.timoshenko, forces) for forces in member.forces]
+    of_forces = [
+        layer_stresses(section, leg.timoshenko, width) for width in np.diag(member.half_width)
+    ]
+    errors = np.max([by_layer(loaded.half_widths, loaded) for loaded in along], axis=0)
+    errors += np.sum([by_layer(np.abs(loaded.stresses), loaded) for loaded in of_forces], axis=0)
+    return LaminateStress(
+        member.leg,
+        tuple(layer.angle for layer in section.layers),
+        -np.max([by_layer(-loaded.stresses, loaded) for loaded in along], axis=0),
+        np.max([by_layer(loaded.stresses, loaded) for loaded in along], axis=0),
+        errors,
+    )
 
 
 def reason_without_stress(shape: Shape) -> str:

@@ -11,6 +11,7 @@ import pytest
 from support.robots.plane_frames import BEAM, CANTILEVER, B, H, L, Q
 
 import flexproof as fp
+from lumped.robot_file import load_robot
 from lumped.sections import rectangle_torsion_constant
 
 LOADS = """
@@ -189,3 +190,55 @@ def test_force_figure_has_all_elements():
     assert {curve.label for curve in drives.series} == {"motor1", "motor2"}
     assert all(np.isfinite(curve.y).all() for panel in chart.panels for curve in panel.series)
     assert len(chart.panels[0].series[0].x) == len(analysis.poses) > 1
+
+
+LAMINATE = """
+schema = 2
+name = "laminate"
+[points]
+A = [0.0, 0.0, 0.0]
+P = [0.6, 0.0, 0.0]
+[bodies.bar]
+from = "A"
+to = "P"
+[bodies.bar.section]
+shape = "laminate-tube"
+diameter = 0.06
+ply = { E1 = 1.81e11, E2 = 1.03e10, G12 = 7.17e9, nu12 = 0.28, rho = 1600.0, thickness = 0.25e-3 }
+layers = [45, -45, 0, 0, -45, 45]
+[joints.clamp]
+type = "fixed"
+between = ["ground", "bar"]
+at = "A"
+[tool]
+body = "bar"
+point = "P"
+moves = []
+[[loads]]
+name = "push"
+wrench = [0.0, 0.0, 100.0, 0.0, 0.0, 0.0]
+"""
+
+
+def test_fibre_layers_have_stresses_in_all_outputs(tmp_path, command):
+    """Text, JSON, CSV and table of a tube of six layers, whose fibres along x carry M r/I."""
+    robot = tmp_path / "laminate.toml"
+    robot.write_text(LAMINATE, "utf-8")
+    analysis = fp.forces(robot)
+    (under_load,) = json.loads(analysis.json())["results"][0]["loads"].values()
+    layers = under_load["layers"]["bar"]
+    assert [layer["angle"] for layer in layers] == [45, -45, 0, 0, -45, 45]
+    assert under_load["stresses"] == {}
+    assert under_load["without_stress"] == {}
+    section = load_robot(robot).mechanism.bodies["bar"].shape
+    # The axial strain M r/EIy of the outer face of the fourth layer, which strains across by a12.
+    strain = 100.0 * 0.6 * (0.03 - 0.5e-3) / section.timoshenko.EIy
+    along = layers[3]["along_fibres"]
+    assert along["max"] == pytest.approx(-along["min"]) == pytest.approx(1.81e11 * strain, rel=0.02)
+    rows = analysis.layer_table().rows
+    assert rows[3][2:5] == ("bar", 4, 0)
+    assert rows[3][6] == pytest.approx(1e-6 * along["max"])
+    assert f"max σ1 of layer 4,,{along['max']!r},Pa" in analysis.csv()
+    output = command.output("forces", str(robot))
+    assert "(laminate theory)" in output
+    assert f"{1e-6 * along['max']:.4g}" in output
