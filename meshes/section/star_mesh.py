@@ -5,6 +5,11 @@ of rectangles and all points at which two outlines cross. Between two neighbouri
 outlines do not cross, and two successive ones bound a quadrilateral, or a triangle if they meet on
 one of the rays. A triangle is divided into three quadrilaterals, whose sides halve its sides. One
 quadrant is meshed, and the mesh is exactly symmetric about both axes.
+
+A circle that touches a side of a rectangle would bound elements with an angle of zero. Within 5° of
+the axis, such a circle is therefore replaced by the side, and up to the next ray it returns to
+itself in a way that keeps its area within 1.3e-4. Its second moments of area change by 3e-4 with
+four touching sides, and by up to 6e-4 with two.
 """
 
 from collections.abc import Callable, Sequence
@@ -28,6 +33,9 @@ _SAME_RAY, _SAME_POINT = 1e-6, 1e-8
 _CORE_CORNER, _CORE_SIDE = 0.6, 0.5
 # Largest difference (rad) between 45° and the ray through the core's corner.
 _CORNER_RANGE = pi / 9.0
+
+# Angle (rad) from an axis within which a circle is replaced by the side that it touches.
+_TOUCHING = pi / 36.0
 
 # Function that returns the points (n×2, in m) of a curve at n shares of a sector.
 _Side: TypeAlias = Callable[[Array], Array]
@@ -62,11 +70,29 @@ class Outline(NamedTuple):
         angles = [atan2(self.z, self.y)]
         if not other.is_round:
             return [*angles, atan2(self.z, other.y)]
-        if 0.0 <= (z_squared := other.y**2 - self.y**2) <= self.z**2:
+        if self.touches(other, 0.0):
+            angles.append(_TOUCHING)
+        elif 0.0 <= (z_squared := other.y**2 - self.y**2) <= self.z**2:
             angles.append(atan2(sqrt(z_squared), self.y))
-        if 0.0 <= (y_squared := other.y**2 - self.z**2) <= self.y**2:
+        if self.touches(other, 0.5 * pi):
+            angles.append(0.5 * pi - _TOUCHING)
+        elif 0.0 <= (y_squared := other.y**2 - self.z**2) <= self.y**2:
             angles.append(atan2(self.z, sqrt(y_squared)))
         return angles
+
+    def touches(self, circle: "Outline", angle: float) -> bool:
+        """True for a rectangle that a `circle` touches near the ray of an angle (rad).
+
+        The rectangle and the circle touch near an axis, 0 or π/2, if their distances on it differ
+        by less than those of the circle and of its tangent, 5° from the axis.
+        """
+        if self.is_round or not circle.is_round:
+            return False
+        near_y, near_z = angle <= _TOUCHING + _SAME_RAY, 0.5 * pi - angle <= _TOUCHING + _SAME_RAY
+        slack = (1.0 - cos(_TOUCHING)) * circle.y
+        return (near_y and abs(self.y - circle.y) <= slack) or (
+            near_z and abs(self.z - circle.y) <= slack
+        )
 
     def point(self, angle: float) -> Array:
         """Point (2, in m) on the ray of an angle (rad)."""
@@ -84,6 +110,36 @@ class Outline(NamedTuple):
             return np.asarray(self.y * np.column_stack([np.cos(angles), np.sin(angles)]))
 
         return arc
+
+
+def _drawn_to_sides(circle: Outline, boxes: Sequence[Outline], start: float, end: float) -> _Side:
+    """Curve of a circle from one ray to the next (rad), moved to the sides that it touches.
+
+    The distance δ to a side 5° from the axis, at an angle θ from it, is reduced to zero over the
+    angle φ to the next ray as δ (1 − u)(1 − b u), b = 3 + 2θ/φ. Its integral is −δθ/3, the area
+    between side and circle within θ.
+    """
+    both = [box for box in boxes if box.touches(circle, start) and box.touches(circle, end)]
+    if both:
+        return both[0].side(start, end)
+    arc = circle.side(start, end)
+    slope = 3.0 + 2.0 * _TOUCHING / (end - start)
+    offsets = [
+        next(
+            (box.point(angle) - circle.point(angle) for box in boxes if box.touches(circle, angle)),
+            np.zeros(2),
+        )
+        for angle in (start, end)
+    ]
+
+    def moved(shares: Array) -> Array:
+        backward = 1.0 - shares
+        weights = backward * (1.0 - slope * shares), shares * (1.0 - slope * backward)
+        return np.asarray(
+            arc(shares) + np.outer(weights[0], offsets[0]) + np.outer(weights[1], offsets[1])
+        )
+
+    return moved
 
 
 def _straight(start: Array, end: Array) -> _Side:
@@ -110,7 +166,13 @@ def star_mesh(
     rim = _core_rim(smallest, rays, corner)
     for number, (start, end) in enumerate(pairwise(rays.tolist())):
         sides = [
-            (group, curve.side(start, end)) for group, curve in zip(groups, curves, strict=True)
+            (
+                group,
+                _drawn_to_sides(curve, curves, start, end)
+                if curve.is_round
+                else curve.side(start, end),
+            )
+            for group, curve in zip(groups, curves, strict=True)
         ]
         sides.sort(key=lambda side: float(np.linalg.norm(side[1](np.array([0.5])))))
         if has_core:
@@ -140,11 +202,12 @@ def _rays(curves: Sequence[Outline], *, has_core: bool) -> Array:
 def _groups(curves: Sequence[Outline]) -> tuple[list[int], list[float]]:
     """Group of each of the sorted `curves`, and the gap (m) between each group and the one within.
 
-    Curves of one group can meet, those of different groups cannot. The first gap is zero.
+    Curves of one group meet or nearly touch each other, those of different groups do not. The first
+    gap is zero.
     """
     groups, gaps, reach = [0], [0.0], curves[0].largest
     for curve in curves[1:]:
-        if (gap := curve.smallest - reach) > _SAME_POINT * reach:
+        if (gap := curve.smallest - reach) > (1.0 - cos(_TOUCHING)) * reach:
             gaps.append(gap)
         groups.append(len(gaps) - 1)
         reach = max(reach, curve.largest)

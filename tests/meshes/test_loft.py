@@ -256,7 +256,7 @@ def test_unmeshable_leg_along_line_is_refused():
         "`up` is neither in its plane nor in the plane that": tapered(LEANING, square, square),
         "mitres of corners are longer than": tapered(SHORT, square, square),
         "a step between channel, circle has no mesh": stepped(TAPERS["channel"][0], Circle(0.05)),
-        "nearly touch each other, so that": stepped(square, Circle(0.06)),
+        "nearly touch each other, so that": stepped(square, Circle(0.0597)),
         "a taper between two steps of circle, rectangle has no mesh": LineLeg(
             STRAIGHT, tuple(zip(positions, between, strict=True)), STEEL
         ),
@@ -272,5 +272,6 @@ def test_unmeshable_leg_along_line_is_refused():
         with pytest.raises(InputError, match="a leg: "):
             loft(leg, 1, 4)
     assert why_no_loft(tapered(ARC, square, small)) == ""
+    assert why_no_loft(stepped(square, Circle(0.06))) == ""
     assert why_no_loft(stepped(square, small, Rectangle(0.04, 0.03))) == ""
     assert why_no_loft(tapered(STRAIGHT, square, small, cubic)) == ""

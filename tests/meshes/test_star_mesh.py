@@ -8,6 +8,7 @@ import pytest
 from meshes.quality import quality
 from meshes.section.star_mesh import Outline, star_mesh
 from meshes.shape_functions import gradients, quadrature
+from meshes.shape_functions import values as shape_values
 
 
 def circle(diameter):
@@ -57,6 +58,24 @@ def test_cells_fill_disc_and_rectangle(case):
             assert len(np.unique(np.vstack([mesh.nodes, images]), axis=0)) == len(mesh.nodes)
     assert abs(errors[0]) < 2e-4
     assert errors[0] / errors[1] == pytest.approx(16.0, rel=0.1)
+
+
+@pytest.mark.parametrize("height", [0.06, 0.08])
+def test_disc_that_touches_sides_keeps_area(height):
+    """Round bar as wide as the rectangle beneath it: its area and second moments."""
+    mesh = star_mesh([circle(0.06), rectangle(0.06, height)], 0.015, 2, has_core=True)
+    assert quality(mesh)[0].min() > 0.05
+    middles = mesh.nodes[mesh.cells[:, 8]]
+    in_disc = np.hypot(*middles.T) < 0.03
+    assert areas(mesh)[in_disc].sum() == pytest.approx(pi * 0.03**2, rel=1.5e-4)
+    points, weights = quadrature("quad9", 6)
+    slopes, values = gradients("quad9", points), shape_values("quad9", points)
+    corners = mesh.nodes[mesh.cells[in_disc]]
+    densities = np.linalg.det(np.einsum("mki,kjq->mqij", corners, slopes)) * weights
+    squares = np.einsum("mki,kq->mqi", corners, values) ** 2
+    moments = np.einsum("mq,mqi->i", densities, squares)
+    error = 3e-4 if height == 0.06 else 7e-4
+    assert moments == pytest.approx(pi * 0.03**4 / 4.0, rel=error)
 
 
 def test_walls_of_tube_and_box_leave_hole():
