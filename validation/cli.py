@@ -499,19 +499,18 @@ def check(robot: RobotName) -> int:
     from lumped.audit import audit  # noqa: PLC0415
     from lumped.robot_file import load_robot  # noqa: PLC0415
     from validation.kinematics.poses import postures_on_path  # noqa: PLC0415
-    from validation.models.plausibility import robot_findings  # noqa: PLC0415
-    from validation.models.warping_check import warping_text  # noqa: PLC0415
+    from validation.models.plausibility import (  # noqa: PLC0415
+        parts_text,
+        robot_findings,
+        warping_text,
+    )
     from validation.paper.errata import paper_findings  # noqa: PLC0415
     from validation.report.listing import audit_text  # noqa: PLC0415
 
     robot_file = load_robot(robot)
-    mechanism, of_parts = robot_file.mechanism, ""
+    mechanism = robot_file.mechanism
     pose_count = len(postures_on_path(mechanism, mechanism.poses))
-    # Only for CAD parts: reading them needs gmsh.
-    if mechanism.parts:
-        from validation.models.part_check import parts_text  # noqa: PLC0415
-
-        of_parts = parts_text(mechanism)
+    of_parts = parts_text(mechanism)
     findings = (*audit(robot_file), *paper_findings(robot_file), *robot_findings(mechanism))
     write_results(audit_text(robot, mechanism, findings, pose_count))
     if of_parts:

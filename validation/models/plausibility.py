@@ -1,7 +1,11 @@
-"""Warnings about implausible data in a valid robot file: units, axes of bores, gaps of slides.
+"""Checks of a valid robot file by `flexproof check`: implausible data, warping, faces of CAD parts.
 
-Input: a mechanism. Output: `Finding` records with the value, the suspicion and its evidence. Rule:
-a finding is made if a number lies far outside the range of real machines.
+Input: a mechanism. Output: `Finding` records with the value, the suspicion and its evidence, and
+lines of text. Rules: a finding is made if a number lies far outside the range of real machines. All
+models let sections warp freely; if both end faces of a leg with given section constants prevent
+warping, its torsional stiffness follows from the warping constant
+(`fem.sections.nonuniform_torsion`). Each interface of a CAD part is listed with its faces and their
+distance from the point of the joint, each pressure with its faces and its resultant.
 """
 
 from collections.abc import Iterator
@@ -10,10 +14,15 @@ import numpy as np
 
 from lumped.arrays import Array
 from lumped.audit import Finding
+from lumped.errors import InputError, collect_faults
 from lumped.legs import ConstantLeg
 from lumped.mechanism.body import Body, Part
 from lumped.mechanism.joint import Joint
 from lumped.mechanism.mechanism import GROUND, Mechanism
+from lumped.sections import SectionProperties
+from meshes.part.interfaces import Interface
+from meshes.part.reading.read import PartFile
+from validation.models.loads.pressures import surface_resultants
 from validation.models.reduced_parts import found_in
 
 # Length (m), mass (kg) and mass per length (kg/m) above which a leg is implausible. A solid steel
@@ -30,6 +39,8 @@ _ALONG = float(np.cos(np.pi / 6.0))
 # Largest gap between the bodies of a slide that is round-off, relative to the distance of its
 # points.
 _TOUCHING = 1e-6
+# Relative increase from which a stiffness is stated as a multiple.
+_LARGEST_IN_PERCENT = 10.0
 
 
 def robot_findings(mechanism: Mechanism) -> tuple[Finding, ...]:
@@ -172,3 +183,110 @@ def _distance(mechanism: Mechanism, joint: Joint) -> float:
         for side in (joint.first, joint.second)
     )
     return float(np.linalg.norm(second.position - first.position))
+
+
+def warping_text(mechanism: Mechanism) -> str:
+    """Lines on each leg by its constants whose ends can prevent warping. "" if there are none."""
+    return "\n".join(_warping_lines(mechanism))
+
+
+def _warping_lines(mechanism: Mechanism) -> Iterator[str]:
+    for name, body in mechanism.bodies.items():
+        leg = body.shape
+        if not isinstance(leg, ConstantLeg) or not isinstance(leg.section, SectionProperties):
+            continue
+        if leg.section.Iw is None:
+            if leg.ends == "rigid":
+                yield (
+                    f"{name}: has no warping constant Iw; by how much its rigid ends stiffen it in "
+                    "torsion is not known, and all models let it warp"
+                )
+        elif leg.ends != "free":
+            yield (
+                f"{name}: would be {_stiffer(held_stiffening(leg, leg.section))} in torsion if "
+                "both ends prevented warping (Iw); all models let it warp"
+            )
+
+
+def _stiffer(increase: float) -> str:
+    """Relative increase of a stiffness as text: "164 % stiffer", "54.1 times as stiff"."""
+    if increase < _LARGEST_IN_PERCENT:
+        return f"{100.0 * increase:.3g} % stiffer"
+    return f"{1.0 + increase:.3g} times as stiff"
+
+
+def held_stiffening(leg: ConstantLeg, section: SectionProperties) -> float:
+    """Relative increase of the torsional stiffness of `leg` if both ends prevent warping."""
+    # Imported here, because it takes a second that `check` of other robots need not wait.
+    from fem.sections.nonuniform_torsion import (  # noqa: PLC0415
+        WarpingRod,
+        held_torsion_compliance,
+    )
+
+    E, G = leg.material.E, leg.material.G
+    polar = section.Iy + section.Iz + section.A * (section.ys**2 + section.zs**2)
+    rod = WarpingRod(
+        twist=G * polar,
+        shear=G * (polar - section.J),
+        bimoment=E * (section.Iw or 0.0),
+        rotary=leg.material.rho * polar,
+        warping=leg.material.rho * (section.Iw or 0.0),
+    )
+    return leg.length / (G * section.J) / held_torsion_compliance(rod, leg.length) - 1.0
+
+
+def parts_text(mechanism: Mechanism) -> str:
+    """Lines on each CAD part: its size, and the faces of each interface with their distance.
+
+    Pressures follow with their resultants. "" if no body is a CAD part. Raises InputError
+    with the faults of all parts.
+    """
+    texts, faults = collect_faults(_part_text, mechanism.parts.values())
+    if faults:
+        raise InputError(faults)
+    return "\n".join([*texts, *_pressure_texts(mechanism)])
+
+
+def _pressure_texts(mechanism: Mechanism) -> list[str]:
+    """Lines on each pressure of the loads: its faces and its resultant."""
+    rows = surface_resultants(mechanism)
+    heading = "pressures, with resultants about the origin of the part, axes of the part:"
+    lines = [f"  {row.load}: {resultant.text}" for row, resultant in rows]
+    return [heading, *lines] if lines else []
+
+
+def _part_text(body: Body) -> str:
+    file, interfaces = found_in(body)
+    lines = [f"{body.name}: {file.path.name}, {file.size}"]
+    return "\n".join(lines + [f"  {_interface_text(file, interface)}" for interface in interfaces])
+
+
+def _interface_text(file: PartFile, interface: Interface) -> str:
+    faces = [file.face(number) for number in interface.faces]
+    kinds = " and ".join(dict.fromkeys(face.kind for face in faces))
+    numbers = ", ".join(str(face.number) for face in faces)
+    text = f"{interface.name}: face{'s' if len(faces) > 1 else ''} {numbers} ({kinds}"
+    text += f" of radius {faces[0].radius * 1e3:.4g} mm)" if interface.axis is not None else ")"
+    condition = interface.coupling + (" by default" if interface.by_default else "")
+    return f"{text}, {_offset_text(file, interface)}, {condition}"
+
+
+def _offset_text(file: PartFile, interface: Interface) -> str:
+    """Text with the distance of the faces of an interface from the point of the joint.
+
+    If the faces have an axis, the distance is perpendicular to the axis.
+    """
+    if interface.axis is not None and interface.on_axis is not None:
+        offset = interface.point - interface.on_axis
+        radial_offset = offset - interface.axis * (interface.axis @ offset)
+        return f"axis {_millimetres(radial_offset)} from the point"
+    areas = np.array([file.face(number).area for number in interface.faces])
+    centres = np.array([file.face(number).centre for number in interface.faces])
+    offset = areas @ centres / areas.sum() - interface.point
+    return f"centre {_millimetres(offset)} from the point"
+
+
+def _millimetres(arm: Array) -> str:
+    distance = 1e3 * float(np.linalg.norm(arm))
+    # Round-off due to the digits of a file counts as zero.
+    return f"{distance if distance > 1e-6 else 0.0:.3g} mm"

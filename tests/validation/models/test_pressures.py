@@ -16,7 +16,7 @@ from validation.models.loads.pressures import resultants
 from validation.models.loads.stability import gives_way_pressed, stabilities
 from validation.models.loads.statics import displacements, load_forces
 from validation.models.options import ModelOptions
-from validation.models.part_check import parts_text
+from validation.models.plausibility import parts_text
 from validation.solve.answer_json import as_json
 from validation.solve.answer_text import as_text
 from validation.solve.model_answers import solve

@@ -11,7 +11,7 @@ from lumped.legs import ConstantLeg, Material
 from lumped.robot_file import robot_of
 from lumped.sections import Channel, SectionProperties
 from meshes.section.section_mesh import section_mesh
-from validation.models.warping_check import held_stiffening, warping_text
+from validation.models.plausibility import held_stiffening, warping_text
 
 STEEL = Material.isotropic(2.1e11, 0.3, 7850.0)
 # An IPE 200, as tables print it (cm², cm⁴, cm⁶): A 28.5, Iy 1943, Iz 142.4, It 6.98, Iw 12990.
