@@ -60,14 +60,12 @@ def flange_work(leg: LineLeg, torques: Callable[[Array], Array]) -> float:
     """Work (J, ≤ 0) by which flanges of a taper reduce the work of torques on a leg with free ends.
 
     `torques` is a function that returns the torques (n, in N m) at n positions (m along the line).
-    For a unit torque the work is the change of the tip's rotation (rad/(N m)). Zero for prisms,
-    bent legs, and other sections than I-sections. In legs with steps it includes the flanges that
-    steps bend.
+    For a unit torque the work is the change of the tip's rotation (rad/(N m)). Zero for bent legs,
+    and other sections than I-sections. In legs with steps it includes the flanges that steps bend.
+    In a prism flanges stay straight under a uniform torque, and bend where a torque varies.
     """
-    sections = [section for _, section in leg.stations]
-    if not all(isinstance(section, ISection) for section in sections) or len(set(sections)) == 1:
-        return 0.0
-    if not leg.line.is_straight:
+    is_profile = all(isinstance(section, ISection) for _, section in leg.stations)
+    if not (is_profile and leg.line.is_straight):
         return 0.0
     counts = [_element_count(span) for span in leg.spans]
     unknowns = _unknowns(leg.spans, counts)

@@ -311,7 +311,7 @@ def _frequency(
     if np.isnan([coarse, fine, coarse_free, free]).any():
         raise Skip(f"no mode of the solid has the shape of mode {index + 1} of the beam")
     on_coarse, computed = (context.get(_computed_frequencies, leg, n)[index] for n in meshes)
-    change = context.get(_distortion, leg, meshes[1], index)
+    change, beyond_prisms = context.get(_distortion, leg, meshes[1], index)
     (coarse_jumps, _), (fine_jumps, beyond_stubs) = (
         (
             {cause: float(frequency) * relative for cause, relative in changes.items()},
@@ -333,6 +333,7 @@ def _frequency(
         judged_uncertainty=kinks
         + FLANGE_ERROR * abs(flanges)
         + beyond_stubs
+        + float(computed) * beyond_prisms
         + policy.half_width(
             (free - computed - sum(fine_jumps.values()))
             - (coarse_free - on_coarse - sum(coarse_jumps.values()))
@@ -359,7 +360,7 @@ def _computed_frequencies(leg: LineLeg, divisions: int) -> Array:
     return clamped_modes(_computed_beam(leg, divisions), MODES).frequencies
 
 
-def _distortion(leg: LineLeg, divisions: int, index: int) -> float:
+def _distortion(leg: LineLeg, divisions: int, index: int) -> tuple[float, float]:
     frames = mesh_frames(leg, divisions)
     return frequency_change(leg, _computed_beam(leg, divisions), index, frames)
 

@@ -69,7 +69,9 @@ def test_flanges_end_at_step_of_height():
 
 
 def test_parallel_flanges_of_prism_add_nothing():
-    assert flange_work(i_leg((0.0, 0.1), (0.2, 0.1), (0.4, 0.1)), np.ones_like) == 0.0
+    prism = i_leg((0.0, 0.1), (0.2, 0.1), (0.4, 0.1))
+    rotation = prism.sections("timoshenko").tip_compliance[3, 3]
+    assert abs(flange_work(prism, np.ones_like)) < 1e-9 * rotation
     nearly = i_leg((0.0, 0.1), (0.4, 0.1 - 1e-7))
     beam = nearly.sections("timoshenko").tip_compliance[3, 3]
     assert abs(flange_work(nearly, np.ones_like)) < 1e-9 * beam

@@ -7,6 +7,7 @@ import pytest
 from support.fakes.toy_responses import NO_ROBOT
 
 from fem.beams.line_beam import line_beam
+from fem.beams.tapered_flanges import FLANGE_ERROR
 from fem.multibody import require_beams
 from lumped.acceptance.requirement import DEFAULT_LIMITS
 from lumped.centre_line import CentreLine, LinePiece, straight_line
@@ -17,7 +18,7 @@ from lumped.memo import forget
 from lumped.models.bodies import clamped_modes, legs_of
 from lumped.robot_file import load_robot
 from lumped.robot_file.load import robot_of
-from lumped.sections import HollowRectangle, Rectangle, Tube
+from lumped.sections import HollowRectangle, ISection, Rectangle, Tube
 from validation import api
 from validation.cases import leg_theory
 from validation.cases.leg_theory import distortion, exact_modes
@@ -35,7 +36,7 @@ from validation.references import reference_legs
 from validation.references.reference_legs import computed_elements
 from validation.references.robot_on_path import prismatic_legs
 from validation.run.outcome import judge
-from validation.solids.line_beams import computed_tip
+from validation.solids.line_beams import computed_along, computed_tip
 from validation.solids.solid_legs import TwoMeshes, line_frequencies
 
 ARM = Path(__file__).parents[3] / "examples" / "tapered-arm" / "robot.toml"
@@ -180,7 +181,7 @@ def test_bound_for_kinks_in_frequency_is_no_agreement(monkeypatch):
         for at, height in ((0.0, 0.1), (1.0 / 3.0, 0.1), (2.0 / 3.0, 0.07), (1.0, 0.07))
     ]
     robot = boom(points={"A": [0.0, 0.0, 0.0], "B": [0.36, 0.0, 0.0]}, sections=sections)
-    monkeypatch.setattr(line_leg_vs_solid, "frequency_change", lambda *_: 0.0)
+    monkeypatch.setattr(line_leg_vs_solid, "frequency_change", lambda *_: (0.0, 0.0))
 
     def frequencies(_leg, _divisions, _ends, beam, count):
         return 0.9 * clamped_modes(beam, count).frequencies
@@ -401,6 +402,24 @@ def test_flanges_explain_torsion_of_tapered_i_section(monkeypatch):
     assert abs(measurement.unexplained) < 3e-3 * measurement.reference
 
 
+def test_flanges_in_torsional_vibration_count_once(monkeypatch):
+    """Waves of prisms contain the flanges that a torque bends where it varies, as flanges do.
+
+    The solid of an I-section that tapers to half its height has f1 24 % above its beam. Both causes
+    together were 32 %. Their half-widths contain what is left.
+    """
+    for module in (line_distortion, leg_theory):
+        monkeypatch.setattr(module, "WAVE_DIVISIONS", 1)
+    sections = ISection(0.08, 0.12, 0.006, 0.006), ISection(0.06, 0.06, 0.006, 0.006)
+    leg = LineLeg(straight_line(0.6), tuple(zip((0.0, 0.6), sections, strict=True)), LEG.material)
+    beam = line_beam(computed_along(leg, 1), 20)
+    frequency = clamped_modes(beam, 1).frequencies[0]
+    raised = line_frequencies(leg, 1, "free", beam, 1)[0] / frequency - 1.0
+    assert raised == pytest.approx(0.24, abs=0.01)
+    (change, half_width), flanges = frequency_change(leg, beam, 0), flange_change(leg, beam, 0)
+    assert abs(raised - change - flanges) < half_width + FLANGE_ERROR * flanges < 0.15 * raised
+
+
 def test_leg_of_equal_sections_vibrates_as_prism(monkeypatch):
     """A line leg with equal sections has the frequency change by 3-D waves of a prism."""
     for module in (line_distortion, leg_theory):
@@ -413,7 +432,7 @@ def test_leg_of_equal_sections_vibrates_as_prism(monkeypatch):
     expected = float(distortion(prism, (1,), mode)[0])
     beam = line_beam(leg.sections("timoshenko"), 20)
     assert expected < -1e-4
-    assert frequency_change(leg, beam, 0) == pytest.approx(expected, rel=1e-3)
+    assert frequency_change(leg, beam, 0)[0] == pytest.approx(expected, rel=1e-3)
 
 
 def test_local_changes_are_weighted_by_kinetic_energy(monkeypatch):
@@ -432,4 +451,4 @@ def test_local_changes_are_weighted_by_kinetic_energy(monkeypatch):
     expected = np.sum((x * shape) ** 2) / np.sum(shape**2)
     beam = line_beam(leg.sections("timoshenko"), 20)
     # Rotary inertia and shear are of order (i/L)² = 1e-5.
-    assert frequency_change(leg, beam, 0) == pytest.approx(expected, rel=1e-3)
+    assert frequency_change(leg, beam, 0)[0] == pytest.approx(expected, rel=1e-3)
