@@ -334,6 +334,8 @@ def test_skipped_section_has_reasons():
     assert section.skipped == ("rod, crank: too large",)
     compared = (*skipped, measured("other", 1.0, 1.0))
     assert PageSection("Convergence with mesh", compared, (), plotted=False).skipped == ()
+    page = render(sample_report(outcomes=skipped, figures=(), matrix=None))
+    assert "<summary>2 comparisons skipped</summary>" in page
 
 
 @pytest.mark.parametrize(
