@@ -42,19 +42,17 @@ laminate
         the modulus of the wall in tension, and g the ratio of the largest shear modulus of a layer
         to the smallest.
 
-        Tube of middle radius r: if layers have different stiffnesses, tension and bending cause
-        stresses σ along the circumference, whose resultant is zero. Circumferential strains differ
-        over the wall by up to (1 + c) t/2r of the axial strain, with the wall's ratio c of
-        contraction. The formulas omit the work of σ on this difference. The relative error of EA
-        and EI is s (1 + c) t/2r, where s = Σ |σ| tᵢ/Et for a unit axial strain. Further errors are
-        of second order in t/r: radial stresses, couplings that remain because layers of inclined
-        fibres lie at different radii, and shear across the wall, which is softer than shear in the
-        plane of the wall by up to g. They are at most (t/r)² for EA and EI, (1 + g)/4 (t/r)² for
-        GJ, and g (t/r)² for shear.
+        Tube of middle radius r: the formulas omit that layers at different radii strain each
+        other along the circumference, contract across the wall, and couple tension and twist. The
+        relative errors of EA, EI and GJ by this, of first order in t/r, are known from exact
+        elasticity of the tube (`fem.sections.layered_ring`). The bound is their amount and (t/r)²,
+        for the curved elements of coarse section meshes. Shear across the wall is softer than
+        shear in the plane of the wall by up to g: the error of κ is at most g (t/r)².
 
         Box: at the corners, a share c = 2t/(b + h) of the area, layers of one wall end at layers of
         the next one. There they do not have common strains, or they carry a further axial stress
-        with the ratio s. EA and EI are in error by c (d + s) + c², where d is the relative loss of
+        with the ratio s = Σ |σ| tᵢ/Et, where σ is the stress along the circumference for a unit
+        axial strain. EA and EI are in error by c (d + s) + c², where d is the relative loss of
         tensile stiffness if the layers were not bonded. The errors of J and κ are those of a box of
         one material, but g times as large and of either sign.
 
@@ -68,8 +66,7 @@ laminate
         in p' and d' those of the wall in shear. All are relative to the energy under that load:
         w = a16²/(a11 a66 − a16²) + 1 − 1/(a66 A66), p = Σ |τ γ| tᵢ,
         p' = Σ (|σx εx| + |σs εs|) tᵢ and d' = Σ |τ − γ Q̄66/(a66 A66)| |γ| tᵢ.
-        Tube: the error of EA and EI grows by p t/r + w (t/r)², that of GJ and shear by
-        (p' + d') t/r + w (t/r)².
+        Tube: the error of shear grows by (p' + d') t/r + w (t/r)².
         Box: EA and EI lose the share l = c (d + s + s' + w + p + p') + c², a relative error of
         l/(1 − l), where s' = Σ |τ| tᵢ/Et. For EI, c = 2t/(b + h/3) is the share of the corners in
         the second moment of area. The error of J grows by c (w + p'), and that of κ by (w + p') t
@@ -90,6 +87,7 @@ from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
+from fem.sections.layered_ring import ring_stiffnesses, thin_wall_stiffnesses
 from fem.sections.section_constants import SectionConstants, beam_properties
 from lumped.beam_properties import BeamProperties
 from lumped.legs import ConstantLeg
@@ -231,12 +229,14 @@ def laminate_errors(section: Laminate) -> dict[str, float]:
     coupled = _coupled_shares(section)
     if isinstance(section, LaminateTube):
         slope = 2.0 * thickness / b
-        contraction = abs(section.mean_material[2])
-        stretch = hoop * (1.0 + contraction) * 0.5 * slope + slope**2
-        stretch += coupled.tension * slope + coupled.wall * slope**2
-        stretches = (stretch,) * 3
+        exact = ring_stiffnesses(section)
+        omitted = {
+            name: abs(stiffness / exact[name] - 1.0)
+            for name, stiffness in thin_wall_stiffnesses(section).items()
+        }
+        stretches = tuple(omitted[name] + slope**2 for name in ("EA", "EIy", "EIz"))
+        twist = omitted["GJ"] + slope**2
         added = coupled.shear * slope + coupled.wall * slope**2
-        twist = 0.25 * (1.0 + ratio) * slope**2 + added
         shears = (ratio * slope**2 + added,) * 2
     else:
         corners = 2.0 * thickness / (b + h)
