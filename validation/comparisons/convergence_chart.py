@@ -103,16 +103,18 @@ def _panel(
         sizes[sizes < _LOWEST] = np.nan
         label = f"{discretisation.label} (formal order {series.formal_order:g})"
         curves.append(Series(label, series_counts, sizes, of=discretisation.look))
-        if visible := np.flatnonzero(np.isfinite(sizes)).tolist():
-            last, remark = visible[-1], series.behaviour(panel.column)
-            ends_of_curves.append((float(sizes[last]), float(series_counts[last]), remark))
-            lowest = min(lowest, float(np.nanmin(sizes)))
+        if not (visible := np.flatnonzero(np.isfinite(sizes)).tolist()):
+            continue
+        last, remark = visible[-1], series.behaviour(panel.column)
+        lowest = min(lowest, float(np.nanmin(sizes)))
         if discretisation.theory == "timoshenko":
-            at_stated = sizes[(series_counts == count) & np.isfinite(sizes)]
-            stated += [
-                (size, count, f"{number(size, 2)}\N{NO-BREAK SPACE}%")
-                for size in at_stated.tolist()
-            ]
+            for size in sizes[(series_counts == count) & np.isfinite(sizes)].tolist():
+                text = f"{number(size, 2)}\N{NO-BREAK SPACE}%"
+                if series_counts[last] == count:
+                    remark = f"{text}, {remark}"
+                else:
+                    stated.append((size, count, text))
+        ends_of_curves.append((float(sizes[last]), float(series_counts[last]), remark))
     ends = np.array([counts[0], counts[-1]])
     highest = np.nanmax([np.nanmax(curve.y, initial=error) for curve in curves])
     lines = [Series(f"{error:g} %", ends, np.full(2, error), of="stated error")]

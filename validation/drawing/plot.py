@@ -13,6 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure as Canvas
+from matplotlib.patheffects import withStroke
 from matplotlib.ticker import MaxNLocator
 
 from lumped.arrays import Array
@@ -135,6 +136,7 @@ def _draw_panel(
             textcoords="offset points",
             annotation_clip=False,
             fontsize=8.5,
+            path_effects=[withStroke(linewidth=2.5, foreground="white")],  # over lines and grid
         )
     # Larger distance for contours, so that a star in the corner does not touch the title.
     axes.set_title(panel.title, pad=12.0 if panel.contours is not None else None)

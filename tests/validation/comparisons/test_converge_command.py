@@ -134,6 +134,20 @@ def test_order_label_is_at_finest_error(leg1):
         assert notes == sorted(ends)
 
 
+def test_curve_ending_at_stated_count_has_one_label():
+    """Its order follows the error with 20 elements: two labels at one point would overlap."""
+    leg1 = api.converge("ifw", body="leg1", elements=(5, 10, 20))
+    (panel,) = leg1.chart(["f1"]).panels
+    (series,) = (series for series in leg1.series if series.discretisation.model == "beam")
+    texts = [note.text for note in panel.notes if note.text.endswith(series.behaviour(0))]
+    assert len(texts) == 1
+    error, _, order = texts[0].partition(", ")
+    assert order == series.behaviour(0)
+    assert number_in(error) == pytest.approx(100.0 * abs(series.errors[-1, 0]), rel=0.1)
+    points = [(note.x, note.y) for note in panel.notes]
+    assert len(points) == len(set(points))
+
+
 @pytest.mark.parametrize(
     ("within", "code"),
     # f2 of the segments is 0.0087 % off at 20 elements, that of the beams 5e-6 %.
