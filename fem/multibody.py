@@ -1,12 +1,14 @@
 """Natural frequencies of a mechanism by EXUDYN, a multibody code, as an independent check.
 
-The model consists of geometrically exact beams, rigid bodies and generic joints. It is unstrained
-in its posture. The frequencies are those of EXUDYN's linearised equations (J. Gerstmayr, Multibody
-System Dynamics 60 (2024) 617). EXUDYN is an optional extra and imported when it is used.
+The model consists of geometrically exact beams, rigid bodies and generic joints. Legs along a line
+are chains of rigid bodies and springs. The model is unstrained in its posture. The frequencies are
+those of EXUDYN's linearised equations (J. Gerstmayr, Multibody System Dynamics 60 (2024) 617).
+EXUDYN is an optional extra and imported when it is used.
 """
 
 from importlib.metadata import version
 from itertools import pairwise
+from math import ceil
 from typing import Any, assert_never
 
 import numpy as np
@@ -21,10 +23,13 @@ from lumped.mechanism.free_twists import drive_in, free_twists, interface_positi
 from lumped.mechanism.joint import Joint, Side
 from lumped.mechanism.mechanism import GROUND, Mechanism, Posture
 from lumped.models.bodies import leg_of
-from lumped.screws import rotation_vector
+from lumped.screws import rotation_vector, skew, turn
 
 # Singular value below which EXUDYN's projection on the joint constraints treats it as zero.
 _TOLERANCE = 1e-6
+# Number of spans of a leg along a line, without jumps, that have the requested number of elements.
+# Each piece of a short span is then short enough for the second order.
+_SPANS = 2
 
 
 class ExudynMissing(Exception):  # noqa: N818  not an error: a comparison that cannot be made here
@@ -51,11 +56,6 @@ def require_beams(mechanism: Mechanism) -> None:
         )
         for name, body in mechanism.bodies.items()
         if isinstance(body.shape, kind)
-    ]
-    faults += [
-        f"{name}: the EXUDYN comparison is available only for straight legs of one section"
-        for name, body in mechanism.bodies.items()
-        if isinstance(body.shape, LineLeg)
     ]
     faults += [
         f"{name}: body without mass, which EXUDYN does not allow"
@@ -95,8 +95,8 @@ def frequencies(posture: Posture, elements: int, count: int) -> Array:
     """The lowest `count` natural frequencies (Hz) of a mechanism.
 
     They include a zero for each idle motion, which does not move the tool. `elements` is the number
-    of beam elements per leg. Raises ExudynMissing if EXUDYN is not installed, and InputError as
-    `require_beams` does.
+    of beam elements per leg, or that of springs for each two spans of a leg along a line. Raises
+    ExudynMissing if EXUDYN is not installed, and InputError as `require_beams` does.
     """
     exudyn_version()
     require_beams(posture.mechanism)
@@ -129,6 +129,8 @@ class _ExudynModel:
                     self._mark_body(ground, name, point, frame.position, np.eye(3))
             elif isinstance(body.shape, ConstantLeg):
                 self._add_beam(name)
+            elif isinstance(body.shape, LineLeg):
+                self._add_line_leg(name, body.shape)
             elif isinstance(body.shape, Rigid):
                 self._add_rigid(name, body.shape)
         self._add_tool()
@@ -153,8 +155,12 @@ class _ExudynModel:
         Returns the number of the marker.
         """
         marker, carrier, position, rotation = self.interfaces[side.body, side.point]
+        return self._aligned(marker, rotation.T @ axes, position, **carrier)
+
+    def _aligned(self, marker: Any, axes: Array, position: Array, **carrier: int) -> int:
+        """Add a marker at a `position` (3, in m) with `axes` (3×3), in axes of its carrier."""
         transform = np.eye(4)
-        transform[:3, :3], transform[:3, 3] = rotation.T @ axes, position
+        transform[:3, :3], transform[:3, 3] = axes, position
         number: int = self.mbs.AddMarker(marker(**carrier, localHT=transform))
         return number
 
@@ -182,6 +188,49 @@ class _ExudynModel:
             carrier = {"nodeNumber": node}
             marked = self.items.MarkerNodeRigid, carrier, np.zeros(3), frame.rotation
             self.interfaces[name, point] = marked
+
+    def _add_line_leg(self, name: str, leg: LineLeg) -> None:
+        """Chain of rigid bodies with the mass of the leg, joined by springs with its flexibility.
+
+        EXUDYN's beams have no coupled stiffness, as of arcs and tapers. Each spring therefore has
+        the flexibility of the section in the middle of a piece of the line. The bodies at its ends
+        have half the mass of the piece each, whose centre may lie beside the line.
+        """
+        body, frame = self.posture.mechanism.bodies[name], self.posture.frames[name]
+        sections = leg.sections("timoshenko")
+        edges = sections.edges(self.elements * ceil(len(leg.spans) / _SPANS))
+        middles, lengths = 0.5 * (edges[1:] + edges[:-1]), np.diff(edges)
+        field = sections.at(sections.span_at(middles), middles)
+        halves = 0.5 * lengths[:, None, None] * field.mass
+        masses = np.zeros((len(edges), 6, 6))
+        masses[:-1] += halves
+        masses[1:] += halves
+        points, (_, axes) = leg.line.frames(edges)[0], leg.line.frames(middles)
+        bodies = []
+        for point, mass in zip(points, masses, strict=True):
+            shape = _rigid_of_mass(mass)
+            centre = point + shape.centre
+            placed = frame.position + frame.rotation @ centre
+            bodies.append((self._rigid(placed, frame.rotation, shape), centre))
+        for point, end in zip(body.interfaces, (0, -1), strict=True):
+            number, centre = bodies[end]
+            self._mark_body(number, name, point, points[end] - centre, frame.rotation)
+        for middle, length, section_axes, flexibility, pair in zip(
+            field.points, lengths, axes, field.flexibility, pairwise(bodies), strict=True
+        ):
+            to_axes = turn(section_axes)
+            markers = [
+                self._aligned(
+                    self.items.MarkerBodyRigid, section_axes, middle - centre, bodyNumber=number
+                )
+                for number, centre in pair
+            ]
+            self.mbs.AddObject(
+                self.items.ObjectConnectorRigidBodySpringDamper(
+                    markerNumbers=markers,
+                    stiffness=np.linalg.inv(length * to_axes.T @ flexibility @ to_axes),
+                )
+            )
 
     def _add_rigid(self, name: str, shape: Rigid) -> None:
         frame = self.posture.frames[name]
@@ -232,6 +281,14 @@ class _ExudynModel:
                     markerNumbers=markers, stiffness=stiffness, offset=list(offset)
                 )
             )
+
+
+def _rigid_of_mass(mass: Array) -> Rigid:
+    """Rigid body with a mass matrix (6×6) about a point, from which its centre is given."""
+    total = float(mass[0, 0])
+    first = mass[3:, :3] / total
+    centre = np.array([first[2, 1], first[0, 2], first[1, 0]])
+    return Rigid(total, centre, mass[3:, 3:] + total * skew(centre) @ skew(centre))
 
 
 def _joint_axes(joint: Joint, free: Array) -> tuple[Array, list[int], int]:

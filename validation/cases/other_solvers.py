@@ -6,7 +6,7 @@ Rubin) span different spaces, so that equal frequencies confirm both; each reduc
 error. For CalculiX, each leg is a solid bar with the outer dimensions of the leg, meshed coarsely,
 along its line if it is tapered, stepped or bent. CalculiX solves the whole mesh, and flexproof
 condenses each bar to its ends. For EXUDYN, legs are chains of beam elements; frequencies are
-extrapolated to infinitely many elements per leg.
+extrapolated to infinitely many elements per leg. Legs along a line are rigid bodies and springs.
 """
 
 import numpy as np
@@ -255,8 +255,9 @@ def beams_and_exudyn(posture: Posture) -> tuple[PostureAnswer, Array, Array]:
     effort=1.0,
     model="beam",
     citation=(
-        "EXUDYN, geometrically exact beams, generic joints and springs, linearised at the "
-        "pose; extrapolated from 8 and 16 beams per leg, second order"
+        "EXUDYN, geometrically exact beams (springs between rigid bodies in legs along a line), "
+        "generic joints and springs, linearised at the pose; extrapolated from 8 and 16 elements "
+        "per leg, second order"
     ),
     tolerance=Relative(5e-4),
     tolerance_reason=(

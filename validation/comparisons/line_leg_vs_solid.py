@@ -24,6 +24,8 @@ weighted by the strain energy of a motion or mode, so that a short taper counts 
 is the square of half the height of the section over the radius of an arc.
 """
 
+from dataclasses import replace
+
 import numpy as np
 
 from fem.beams.kinked_walls import kink_compliances
@@ -88,6 +90,10 @@ _KINKED_WALLS = "walls bent at kinks"
 _KINKS_SOURCE = "half the upper bound of plates under deflected forces (fem.beams.kinked_walls)"
 # Index of torsion in the tip compliance.
 _TORSION = 3
+_KINKS_UNDECIDED = (
+    "only an upper bound is known for walls bent at kinks, so that finer meshes do not decide: "
+    "give a longer taper or thicker walls, or describe the leg as a CAD part"
+)
 _NEGLECTED = (
     "and the squares of a taper's slope and of half the height over an arc's radius, which beam "
     "theory neglects"
@@ -228,7 +234,7 @@ def _motion(
     )
     # What kinks add to the compliance lies between zero and an upper bound.
     kinks = 0.5 * float(kink_compliances(leg)[entry])
-    return Measurement(
+    measurement = Measurement(
         float(leg_compliance(model, leg, _options(limits))[diagonal]),
         float(fine),
         reference_uncertainty=slowest(meshes.ratio, [leg]).half_width(fine - coarse),
@@ -255,6 +261,14 @@ def _motion(
             *(Allowance(cause, -change, SOURCE) for cause, change in fine_jumps.items()),
         ),
     )
+    return _naming_kinks(measurement, kinks)
+
+
+def _naming_kinks(measurement: Measurement, kinks: float) -> Measurement:
+    """Measurement that names kinks as what leaves it open, if they are most of its uncertainty."""
+    uncertainty = measurement.numerical_uncertainty or 0.0
+    most = 2.0 * kinks > uncertainty
+    return replace(measurement, decides=_KINKS_UNDECIDED) if most else measurement
 
 
 @memo(8)
@@ -326,7 +340,7 @@ def _frequency(
     theory = leg_frequencies("beam", leg, index + 1, ModelOptions(elements=ELEMENTS))[index]
     soft, stiff = (bound[index] for bound in context.get(_formula_frequencies, leg, meshes[1]))
     value = leg_frequencies(model, leg, index + 1, _options(limits))[index]
-    return Measurement(
+    measurement = Measurement(
         float(value),
         float(fine),
         reference_uncertainty=slowest(ratio, [leg]).half_width(fine - coarse),
@@ -349,6 +363,7 @@ def _frequency(
             *((Allowance(_KINKED_WALLS, kinks, _KINKS_SOURCE),) if kinks else ()),
         ),
     )
+    return _naming_kinks(measurement, kinks)
 
 
 def _solid_frequencies(leg: LineLeg, divisions: int, ends: Ends) -> Array:
