@@ -47,11 +47,10 @@ _FEWEST, _PER_HEIGHT = 4, 4
 # to two other unknowns lie between θ and those of the next node.
 _FIELDS = 3
 _BAND = _FIELDS * _NODES + 1
-# Largest error of the work, relative, beyond terms of the size of one square of the slope: in 38
-# solids of tapers (slopes 0.02 to 0.15, b/t 6 to 40, flanges 0.5 to 2.4 times as thick as the web)
-# it is below 4 %, and 8 % for the tapers in tests/fem/beams/test_tapered_flanges.py with these
-# terms.
-FLANGE_ERROR = 0.1
+# Largest error of the work, relative, beyond the square of the slope that comparisons allow: it is
+# below 3.5 % in 70 solids of random tapers with and without kinks (slopes 0.01 to 0.15, b/t 6 to
+# 50, flanges 0.5 to 2.4 times as thick as the web).
+FLANGE_ERROR = 0.05
 # Shear coefficient κ of a rectangle without contraction.
 _SHEAR = 5.0 / 6.0
 
