@@ -193,7 +193,7 @@ class _ExudynModel:
         """Chain of rigid bodies with the mass of the leg, joined by springs with its flexibility.
 
         EXUDYN's beams have no coupled stiffness, as of arcs and tapers. Each spring therefore has
-        the flexibility of the section in the middle of a piece of the line. The bodies at its ends
+        the flexibility of a piece of the line by the section in its middle. The bodies at its ends
         have half the mass of the piece each, whose centre may lie beside the line.
         """
         body, frame = self.posture.mechanism.bodies[name], self.posture.frames[name]
@@ -206,6 +206,7 @@ class _ExudynModel:
         masses[:-1] += halves
         masses[1:] += halves
         points, (_, axes) = leg.line.frames(edges)[0], leg.line.frames(middles)
+        along = skew(np.array([1.0, 0.0, 0.0]))
         bodies = []
         for point, mass in zip(points, masses, strict=True):
             shape = _rigid_of_mass(mass)
@@ -219,6 +220,9 @@ class _ExudynModel:
             field.points, lengths, axes, field.flexibility, pairwise(bodies), strict=True
         ):
             to_axes = turn(section_axes)
+            compliance = length * to_axes.T @ flexibility @ to_axes
+            # A piece bends by its shear force, too, even if it is rigid in shear.
+            compliance[:3, :3] += length**2 / 12.0 * along @ compliance[3:, 3:] @ along.T
             markers = [
                 self._aligned(
                     self.items.MarkerBodyRigid, section_axes, middle - centre, bodyNumber=number
@@ -228,7 +232,7 @@ class _ExudynModel:
             self.mbs.AddObject(
                 self.items.ObjectConnectorRigidBodySpringDamper(
                     markerNumbers=markers,
-                    stiffness=np.linalg.inv(length * to_axes.T @ flexibility @ to_axes),
+                    stiffness=np.linalg.inv(compliance),
                 )
             )
 

@@ -209,9 +209,18 @@ sections = [
 """
 
 
+# Two straight pieces whose section has constants alone: rigid in shear.
+CONSTANTS = """{ shape = "properties", A = 3.5e-3, Iy = 7.0e-7, Iz = 1.4e-6, J = 1.7e-6 }"""
+RIGID_IN_SHEAR = (
+    HOOK[: HOOK.index("sections")].replace(', { arc = "M" }, "Q"', "") + f"section = {CONSTANTS}\n"
+).replace("points.M = [0.5, 0.2, 0.15]\npoints.Q = [0.55, 0.3, 0.3]\n", "")
+
+
 @needs_exudyn
 @pytest.mark.parametrize(
-    "text", [TAPERED_ARM.read_text("utf-8"), HOOK], ids=["tapered-arm", "hook"]
+    "text",
+    [TAPERED_ARM.read_text("utf-8"), HOOK, RIGID_IN_SHEAR],
+    ids=["tapered-arm", "hook", "rigid in shear"],
 )
 def test_legs_along_line_equal_exudyn(text, tmp_path):
     """Chains of rigid bodies and springs: corners, steps, tapers and arcs out of a plane.
