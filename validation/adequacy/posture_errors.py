@@ -123,9 +123,10 @@ def compared_frequencies(robot: RobotOnPath) -> Compared:
         models.append(_reference_model(responses, name, first.reading))
         modes_by_name[name] = responses.required_modes(SOLID, first.reading)
         changes = [
-            frequency_changes(modes_by_name[name], modes, judged)
+            frequency_changes(
+                modes_by_name[name], responses.required_modes(SOLID, other.reading), judged
+            )
             for other in further
-            if (modes := responses.known_modes(SOLID, other.reading))
         ]
         half_widths = np.asarray(first.frequency_half_widths(judged))
         uncertainties[name] = half_widths + np.nanmax(
