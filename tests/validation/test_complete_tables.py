@@ -73,7 +73,7 @@ def test_model_with_own_leg_matrices_is_solved_and_judged(monkeypatch):
     monkeypatch.setattr(leg_models, "ELEMENTS", leg_models.ELEMENTS | {"slender": matrices})
     ifw = load_robot("ifw")
     postures = placed_at(ifw.mechanism, 0.4)
-    (own,), (beam,) = (
+    own, beam = (
         answers(*model) for model in (("slender", postures, 2), ("beam", postures, 2, EULER))
     )
     assert np.allclose(own.frequencies, beam.frequencies, rtol=1e-12)

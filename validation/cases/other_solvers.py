@@ -35,7 +35,6 @@ from validation.context import Context
 from validation.models.leg_models import filled
 from validation.models.robot_models import (
     JUDGED_MODES,
-    PostureAnswer,
     answers,
     highest_frequency,
 )
@@ -227,22 +226,21 @@ def _compared_postures(mechanism: Mechanism) -> list[tuple[str, str]]:
     return postures if mechanism.tool.moves else postures[:1]
 
 
-def beams_and_exudyn(posture: Posture) -> tuple[PostureAnswer, Array, Array]:
-    """Beam results of this program, and EXUDYN's frequencies (Hz) with half-widths (Hz).
+def beams_and_exudyn(posture: Posture) -> tuple[Array, Array, Array]:
+    """Frequencies (Hz) of this program's beams, and EXUDYN's with their half-widths.
 
     Idle motions, which have the lowest frequencies in EXUDYN due to round-off, are removed. Raises
     ExudynMissing if EXUDYN is not installed, and InputError for a mechanism that it cannot
     represent.
     """
-    (beams,) = answers("beam", [posture], BEAM_MODES)
-    coarse, middle, fine = (
-        frequencies(posture, number, BEAM_MODES + beams.idle) for number in _ELEMENTS
-    )
+    beams = answers("beam", [posture], BEAM_MODES)
+    idle = beams.idle[0]
+    coarse, middle, fine = (frequencies(posture, number, BEAM_MODES + idle) for number in _ELEMENTS)
     extrapolated, coarser_limit = (
         finer + (finer - coarser) / 3.0 for coarser, finer in ((middle, fine), (coarse, middle))
     )
     half_widths = MeshPolicy.of_order(2.0, 4.0).half_widths(np.abs(extrapolated - coarser_limit))
-    return beams, extrapolated[beams.idle :], half_widths[beams.idle :]
+    return beams.frequencies[0], extrapolated[idle:], half_widths[idle:]
 
 
 @cases.case(
@@ -277,7 +275,7 @@ def _beam_frequencies(context: Context, place: str) -> Measurement:
         raise Skip("; ".join(error.faults)) from None
     headings = "EXUDYN, extrapolated (Hz)", "beam elements (Hz)"
     note = f"mode 1; EXUDYN {program}"
-    return _side_by_side(beams.frequencies, exudyn, half_widths, headings, note)
+    return _side_by_side(beams, exudyn, half_widths, headings, note)
 
 
 def _side_by_side(

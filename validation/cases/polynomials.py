@@ -255,10 +255,10 @@ def _frequency(context: Context, model: str, index: int, modes: int) -> Measurem
     middle = postures[len(postures) // 2]
     kind, options = _model(context, model)
     try:
-        (response,) = context.get(answers, kind, (middle,), modes, options)
+        response = context.get(answers, kind, (middle,), modes, options)
     except FewerModesError as fewer:
         raise Skip(str(fewer)) from None
-    computed = response.frequencies
+    computed = response.frequencies[0]
     degrees = (0, 0) if kind == "simplified" else (DEGREE, DEGREE - 2)
     expected, rougher = (
         context.get(expected_frequencies, middle, options.theory, degree, modes)

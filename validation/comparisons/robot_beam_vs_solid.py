@@ -140,7 +140,7 @@ def _motion(context: Context, model: ModelName, entry: int, limits: AgreementLim
     if reference <= _STILL * motions_of_kind.max():
         direction = f"{'along' if entry < 3 else 'about'} {'xyz'[entry % 3]}"
         raise Skip(f"the tool does not yield {direction}, so that no compliance is compared")
-    (model_response,) = context.get(answers, model, (posture,), 0, _options(limits))
+    response = context.get(answers, model, (posture,), 0, _options(limits))
     computed = float(statics.computed[FINE, entry])
     residuals = (statics.restrained - statics.solid)[:, entry]
     formula = formula_allowance(
@@ -150,7 +150,7 @@ def _motion(context: Context, model: ModelName, entry: int, limits: AgreementLim
         policy.half_width(computed - statics.other_mesh[entry]),
     )
     return Measurement(
-        float(model_response.compliance[entry, entry]),
+        float(response.compliances[0, entry, entry]),
         reference,
         reference_uncertainty=policy.half_width(reference - statics.solid[COARSE, entry]),
         judged_uncertainty=policy.half_width(residuals[FINE] - residuals[COARSE]),

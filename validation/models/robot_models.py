@@ -33,7 +33,7 @@ from lumped.system.solution import (
     solved,
     strain_shares,
 )
-from lumped.system.sweep import swept
+from lumped.system.sweep import Swept, swept
 from validation.models.leg_models import leg_matrices
 from validation.models.options import DEFAULT_OPTIONS, STATIC, ModelName, ModelOptions
 from validation.models.robot_bodies import (
@@ -56,62 +56,47 @@ JUDGED_MODES = 4
 _ESTIMATE = ModelOptions(elements=2)
 
 
-@dataclass(frozen=True, eq=False)
-class PostureAnswer:
-    """Compliance and frequencies of a mechanism by a model, in one posture.
-
-    `compliance` (6×6, SI, base axes) at the loaded point. `frequencies` (Hz, ascending) exclude the
-    zero frequencies of the `idle` mobilities, which do not move the tool.
-    """
-
-    posture: Posture
-    compliance: Array
-    frequencies: Array
-    idle: int
-
-
 def answers(
     model: ModelName,
     postures: Sequence[Posture],
     count: int,
     options: ModelOptions = DEFAULT_OPTIONS,
-) -> list[PostureAnswer]:
+) -> Swept:
     """Compliance and the lowest `count` frequencies of one mechanism in each posture.
 
+    Frequencies exclude the zero frequencies of idle motions, which do not move the tool.
     `simplified` has at most `count` frequencies: as many as its rigid bodies have elastic motions.
     Raises InputError for frequencies of a static model and for a leg that is not a serial chain
     (vjm), and ComputationError if the tool is free to move.
     """
     if not postures:
-        return []
+        return Swept(np.zeros((0, 6, 6)), np.zeros((0, count)), ())
     mechanism = postures[0].mechanism
     if count:
         _require_dynamic_model(model)
     if model == "vjm":
         springs = springs_of(mechanism, options)
-        return [
-            PostureAnswer(
-                posture,
-                serial_chains.compliance(posture, springs),
-                np.zeros(0),
-                mobility(posture).idle,
-            )
-            for posture in postures
-        ]
+        return Swept(
+            np.array([serial_chains.compliance(posture, springs) for posture in postures]),
+            np.zeros((len(postures), 0)),
+            tuple(mobility(posture).idle for posture in postures),
+        )
     if not count:
-        return _swept(static_assembly(model, postures, options), released(postures, options), 0)
+        return swept(static_assembly(model, postures, options), released(postures, options), 0)
     if model == "simplified":
-        return [
-            PostureAnswer(result.posture, result.compliance, result.modes.frequencies, result.idle)
-            for result in modes_on_drives(postures, count)
-        ]
+        results = list(modes_on_drives(postures, count))
+        return Swept(
+            np.array([result.compliance for result in results]),
+            np.array([result.modes.frequencies for result in results]),
+            tuple(result.idle for result in results),
+        )
     postures = released(postures, options)
     released_mechanism = postures[0].mechanism
     return with_dynamic_bodies(
         model,
         mechanism,
-        lambda bodies: _swept(assembly(released_mechanism, bodies), postures, count),
-        lambda results: np.array([result.frequencies for result in results]),
+        lambda bodies: swept(assembly(released_mechanism, bodies), postures, count),
+        lambda results: results.frequencies,
         postures,
         count,
         options,
@@ -320,9 +305,3 @@ def _require_dynamic_model(model: ModelName) -> None:
             f"--modes: model {model} is static and has no frequencies; leave --modes out or "
             "choose another --model"
         )
-
-
-def _swept(prepared: Assembly, postures: Sequence[Posture], count: int) -> list[PostureAnswer]:
-    results = swept(prepared, postures, count)
-    rows = zip(postures, results.compliances, results.frequencies, results.idle, strict=True)
-    return [PostureAnswer(*row) for row in rows]

@@ -152,7 +152,7 @@ def compliances(
     Shapes: m postures of all robots together.
     """
     solutions = (answers(model, robot.postures, 0, options) for robot in robots)
-    return np.array([solution.compliance for solution in chain(*solutions)])
+    return np.concatenate([solution.compliances for solution in solutions])
 
 
 def deflections(
@@ -169,9 +169,9 @@ def deflections_and_frequencies(
 
     Shapes: m postures of all robots together.
     """
-    solutions = list(chain(*(answers(model, robot.postures, 1, options) for robot in robots)))
-    compliance = np.array([solution.compliance for solution in solutions])
-    lowest = np.array([solution.frequencies[0] for solution in solutions])
+    solutions = [answers(model, robot.postures, 1, options) for robot in robots]
+    compliance = np.concatenate([solution.compliances for solution in solutions])
+    lowest = np.concatenate([solution.frequencies[:, 0] for solution in solutions])
     return _deflections(model, compliance), lowest
 
 
@@ -192,9 +192,11 @@ def frequencies(
 
     Shapes: m postures of all robots together.
     """
-    solutions = chain(*(answers(model, robot.postures, count, options) for robot in robots))
-    rows = [solution.frequencies for solution in solutions]
-    return np.array([np.pad(row, (0, count - len(row)), constant_values=np.inf) for row in rows])
+    values = np.concatenate(
+        [answers(model, robot.postures, count, options).frequencies for robot in robots]
+    )
+    missing = count - values.shape[1]
+    return np.pad(values, ((0, 0), (0, missing)), constant_values=np.inf)
 
 
 def mode_shares(

@@ -64,9 +64,9 @@ def model_statics(postures: Sequence[Posture], model: ModelName, options: ModelO
     """Statics (compliances and load displacements) of a lumped or beam model in each posture."""
     solved = answers(model, postures, 0, options)
     return Statics(
-        np.array([answer.compliance for answer in solved]),
+        solved.compliances,
         displacements(model, postures, options),
-        [answer.idle for answer in solved],
+        solved.idle,
     )
 
 

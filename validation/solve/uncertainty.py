@@ -328,7 +328,8 @@ def _diagonals_and_frequencies(
         solutions = mechanism_modes(model, postures, count, options)
         rows = [np.append(np.diag(pose.compliance), pose.modes.frequencies) for pose in solutions]
     elif question.alone is None:
-        rows = [np.diag(pose.compliance) for pose in answers(model, postures, 0, options)]
+        compliances = answers(model, postures, 0, options).compliances
+        rows = list(np.diagonal(compliances, axis1=1, axis2=2))
     else:
         leg, options = leg_alone(question.alone, postures[0].mechanism, options)
         numbers = np.zeros(0)

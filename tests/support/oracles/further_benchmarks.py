@@ -115,5 +115,5 @@ def pinned_cross() -> list[KnownNumber]:
     tool = Tool("crossing", "O")
     cross = Mechanism("FV2", bodies, joints, tool, reference, np.zeros((1, 0)))
     options = ModelOptions(theory="euler-bernoulli")
-    (frequencies,) = answers("beam", [reference_posture(cross)], FV2_CLUSTERS[-1].last, options)
-    return [cluster.known_number(frequencies.frequencies) for cluster in FV2_CLUSTERS]
+    computed = answers("beam", [reference_posture(cross)], FV2_CLUSTERS[-1].last, options)
+    return [cluster.known_number(computed.frequencies[0]) for cluster in FV2_CLUSTERS]

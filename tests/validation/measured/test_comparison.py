@@ -261,18 +261,18 @@ def test_predictions_are_at_pose_of_measurement(tmp_path):
     robot_file = robot_of(load_robot("five-bar").text + OWN, tmp_path)
     measured_postures = postures_of(robot_file.mechanism, np.array([[0.1, 0.525]]))
     matrix = measured_matrix(Context(robot_file, "quick"))
-    (beam,) = answers("beam", measured_postures, 1)
+    beam = answers("beam", measured_postures, 1)
     entry = matrix.entry("beam", "z")
-    assert entry.value == pytest.approx(200.0 * beam.compliance[2, 2], rel=1e-12)
+    assert entry.value == pytest.approx(200.0 * beam.compliances[0, 2, 2], rel=1e-12)
     assert entry.pose == (0.1, 0.525)
     # Of the 1e-4 m that were measured.
     assert entry.error == pytest.approx(entry.value / 1e-4 - 1.0, rel=1e-12)
     assert entry.errors == (entry.error,)
-    assert matrix.entry("beam", "f1").value == pytest.approx(beam.frequencies[0], rel=1e-9)
+    assert matrix.entry("beam", "f1").value == pytest.approx(beam.frequencies[0, 0], rel=1e-9)
     assert matrix.entry("vjm", "f1") is None
     # Second order: twenty segments leave 4/3 of what twice as many change.
     coarse, fine = (
-        answers("segments", measured_postures, 1, ModelOptions(elements=number))[0].frequencies[0]
+        answers("segments", measured_postures, 1, ModelOptions(elements=number)).frequencies[0, 0]
         for number in (20, 40)
     )
     numerics = matrix.entry("segments", "f1").uncertainties["numerics"]
@@ -282,9 +282,9 @@ def test_predictions_are_at_pose_of_measurement(tmp_path):
     ((key, share),) = robot_file.uncertain_inputs.items()
     robots = [robot_file.with_factors({key: sign * share}) for sign in (-1, 1)]
     low, high = (
-        answers("simplified", postures_of(robot, measured_postures[0].pose[None]), 1)[
-            0
-        ].frequencies[0]
+        answers("simplified", postures_of(robot, measured_postures[0].pose[None]), 1).frequencies[
+            0, 0
+        ]
         for robot in robots
     )
     inputs = matrix.entry("simplified", "f1").uncertainties["inputs"]
@@ -312,8 +312,8 @@ def test_predictions_equal_values_of_models():
             assert entry == pytest.approx(exact[i, j], rel=1e-9, abs=1e-18)
     once, twice = (predicted("y", "links", pose, load) for load in (30.0, 60.0))
     assert twice == pytest.approx(2.0 * once, rel=1e-12)
-    (beam,) = answers("beam", postures_of(mechanism, np.array([pose])), 4)
-    assert predicted("f3", "beam", pose) == pytest.approx(beam.frequencies[2], rel=1e-6)
+    beam = answers("beam", postures_of(mechanism, np.array([pose])), 4)
+    assert predicted("f3", "beam", pose) == pytest.approx(beam.frequencies[0, 2], rel=1e-6)
     # Virtual joints that branch have no number.
     delta = load_robot("delta")
     pose = tuple(delta.mechanism.poses[0])

@@ -361,7 +361,7 @@ def test_rotor_key_equals_rotor_body(kind, give):
         numbers = [under(arm, pull, model=m).ravel() for m in ("vjm", "links", "simplified")]
         arm_posture = reference_posture(arm)
         frequencies_by_model = {
-            m: answers(m, [arm_posture], 3, ModelOptions(divisions=2))[0].frequencies
+            m: answers(m, [arm_posture], 3, ModelOptions(divisions=2)).frequencies[0]
             for m in WITH_MASS
         }
         if not give:
