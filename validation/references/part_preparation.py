@@ -21,11 +21,11 @@ from validation.models import reduced_parts
 from validation.models.loads.pressures import pressed_faces
 from validation.models.stepped_parts import stepped_entry
 from validation.parts.meshes import COARSE, FINEST, MIDDLE, part_key
-from validation.parts.sent import sent_file
 from validation.references.reference_parts import highest_of_parts, interface_coupling
 from validation.references.robot_on_path import RobotOnPath, robot_on_path
 from validation.run.cache import Arrays, CacheEntry, find, keep
 from validation.run.executor import Executor
+from validation.run.provisions import sent_file
 
 # Function that lists the cache entries to compute for a part.
 Question = Callable[[Body], Sequence[CacheEntry[Any]]]

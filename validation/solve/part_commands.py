@@ -139,8 +139,8 @@ def identify(
     from validation.parts import identify as identifying  # noqa: PLC0415
     from validation.parts.free_modes import free_entry  # noqa: PLC0415
     from validation.parts.meshes import part_file  # noqa: PLC0415
-    from validation.parts.sent import value_by_worker  # noqa: PLC0415
     from validation.run.cluster import requested_executor  # noqa: PLC0415
+    from validation.run.provisions import value_by_worker  # noqa: PLC0415
     from validation.uncertainty.refinement import accuracy_faults, refined  # noqa: PLC0415
 
     solver.request()

@@ -37,7 +37,6 @@ from meshes.part.reading import read
 from validation import cli
 from validation.context import Context
 from validation.models import reduced_parts
-from validation.parts.sent import value_by_worker
 from validation.record_fields import plain_data
 from validation.references.part_preparation import prepare_parts
 from validation.references.reference_parts import highest_of_parts, solid_parts
@@ -47,6 +46,7 @@ from validation.run import progress, runner
 from validation.run.cache import CacheEntry
 from validation.run.cluster import on_cluster
 from validation.run.folder import RunFolder, open_folder
+from validation.run.provisions import value_by_worker
 from validation.solve import varied
 
 ROOT = Path(__file__).resolve().parents[3]
