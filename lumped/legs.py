@@ -296,10 +296,14 @@ class LineLeg:
 
     @property
     def mass(self) -> float:
-        """Mass (kg) of the leg, an integral over its sections."""
-        along = self.sections("euler-bernoulli")
-        origin = np.zeros((1, 3))
-        return float(along.masses(along.ends[[0, -1]], origin)[0, 0, 0])
+        """Mass (kg) of the leg, by Simpson's rule: areas of linear tapers vary as parabolas."""
+        volumes = [
+            (span.end - span.start)
+            * (span.first.area + 4.0 * span.section(0.5).area + span.last.area)
+            / 6.0
+            for span in self.spans
+        ]
+        return float(self.material.rho * sum(volumes))
 
     def inertia_points(self, positions: Array, corners: Array) -> tuple[Array, Array]:
         """Points (n×c×3) that represent the mass of n sections, and mass per length (n, kg/m).
