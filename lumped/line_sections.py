@@ -39,6 +39,7 @@ torsion, and of other tapers that shrink more in one direction than in the other
 order.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cache, cached_property
 
@@ -184,28 +185,37 @@ class LineSections:
         return np.asarray(distinct(positions, TOGETHER * self.line.length))
 
     def changed(
-        self, limits: tuple[float, float], point: Array, compliance: Array, first_moment: Array
+        self,
+        position: float,
+        reaches: Sequence[float],
+        compliance: Array,
+        first_moment: Array,
     ) -> "LineSections":
-        """Sections with an additional `compliance` (6×6, SI, leg axes) at a `point` of the line.
+        """Sections with an additional `compliance` (6×6, SI, leg axes) at a point of the line.
 
-        The compliance is the twist, referred to the point, under a unit wrench on it. It is spread
-        over the line between the `limits` (m along the line), whose compliance is R there: with
-        R = S Sᵀ, the factor S (1 + S⁻¹ C S⁻ᵀ)^½ S⁻¹ on all strains makes it R + C. No flexibility
-        becomes negative, even if C is. `first_moment` (3, in kg m) is the additional first moment
-        of mass about the point. Raises ComputationError if R + C is not positive definite.
+        `position` (m along the line) is that of the point. The compliance C is the twist, referred
+        to the point, under a unit wrench on it. It is spread over the line up to a distance from
+        the point, where the line has the compliance R: with R = S Sᵀ, the factor
+        S (1 + S⁻¹ C S⁻ᵀ)^½ S⁻¹ on all strains makes it R + C. The distance is the first of the
+        `reaches` (m, ascending) with which no flexibility becomes negative. `first_moment` (3, in
+        kg m) is the additional first moment of mass about the point. Raises ComputationError if
+        R + C is not positive definite for any of the reaches.
         """
-        start, end = limits
-        (own,) = self.compliances(np.array(limits), point[None])
-        root = np.linalg.cholesky(own)
-        inverse = np.linalg.inv(root)
-        ratios, directions = np.linalg.eigh(np.eye(6) + inverse @ compliance @ inverse.T)
-        if ratios[0] <= 0.0:
-            raise ComputationError(
-                "the compliance of a corner or step exceeds that of the leg around it"
-            )
-        factor = root @ (directions * np.sqrt(ratios)) @ directions.T @ inverse
-        change = LocalChange(start, end, point, factor, first_moment / (end - start))
-        return replace(self, changes=(*self.changes, change))
+        points, _ = self.line.frames(np.array([position]))
+        for reach in reaches:
+            start, end = max(0.0, position - reach), min(self.line.length, position + reach)
+            (own,) = self.compliances(np.array([start, end]), points)
+            root = np.linalg.cholesky(own)
+            inverse = np.linalg.inv(root)
+            ratios, directions = np.linalg.eigh(np.eye(6) + inverse @ compliance @ inverse.T)
+            if ratios[0] > 0.0:
+                factor = root @ (directions * np.sqrt(ratios)) @ directions.T @ inverse
+                moment = first_moment / (end - start)
+                change = LocalChange(start, end, points[0], factor, moment)
+                return replace(self, changes=(*self.changes, change))
+        raise ComputationError(
+            "the compliance of a corner or step exceeds that of the leg around it"
+        )
 
     @cached_property
     def _coefficients(self) -> Array:

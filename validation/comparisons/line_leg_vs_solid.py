@@ -328,11 +328,11 @@ def _frequency(
     change, beyond_prisms = context.get(_distortion, leg, meshes[1], index)
     (coarse_jumps, _), (fine_jumps, beyond_stubs) = (
         (
-            {cause: float(frequency) * relative for cause, relative in changes.items()},
-            float(frequency) * half_width,
+            {cause: float(frequency * shares[index]) for cause, shares in changes.items()},
+            float(frequency * half_widths[index]),
         )
         for n, frequency in zip(meshes, (on_coarse, computed), strict=True)
-        for changes, half_width in [frequency_changes(leg, _computed_beam(leg, n), index, n)]
+        for changes, half_widths in [context.get(frequency_changes, leg, n, MODES)]
     )
     # What kinks take from the frequency lies between zero and an upper bound.
     kinks = -0.5 * float(computed) * context.get(_kink_change, leg, meshes[1], index)

@@ -14,23 +14,25 @@ result if there is no room for long stubs. Nothing is computed for a corner or s
 than a stub to the next one or to an end of the leg: the difference is then flagged.
 """
 
-from dataclasses import dataclass
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
 
+from fem.beams.line_beam import line_beam
 from fem.beams.tapered_flanges import flange_work
 from lumped.arrays import Array
 from lumped.centre_line import CentreLine, LinePiece, point_of
 from lumped.legs import LineLeg
-from lumped.line_sections import TOGETHER, LineSections, gauss_points
-from lumped.mechanism.body_model import LegMatrices
+from lumped.line_sections import TOGETHER, LineSections
 from lumped.memo import memo
-from lumped.models.bodies import clamped_modes
 from lumped.screws import shift, turn
 from lumped.sections import Circle, Rectangle, Section
 from validation.models.leg_models import clamped_solid
-from validation.solids.line_beams import computed_tip, wall_distortion
+from validation.responses.mode_pairing import pair_modes
+from validation.solids.line_beams import computed_along, computed_tip, wall_distortion
+from validation.solids.solid_legs import ELEMENTS, line_modes
 
 # Causes of a difference between beam and solid.
 CORNERS = "corners of the line"
@@ -42,15 +44,16 @@ SOURCE = "solid of each corner or step with stubs of the line, less their beam"
 # displacement across the plane of the frame, the second one 0.3 % and 0.9 %. It is used if there is
 # room for it, otherwise a stub is as long as the room.
 _STUB, _WALLED_STUB = 2.0, 4.0
-# Elements along the leg for the inertia forces of a mode.
-_ELEMENTS = 20
+# Number of modes beyond the requested ones among which partners of a beam's modes are searched.
+_SPARE_MODES = 4
 
 
 @dataclass(frozen=True, eq=False)
 class Jump:
     """Corner or step at `position` (m along the line) and `point` (3, in m, leg axes).
 
-    `cause` is `CORNERS` or `STEPS`, `stub` (m) the length of each stub. `compliance` (6×6, SI, leg
+    `cause` is `CORNERS` or `STEPS`. `reaches` (m) are distances over which beams spread it, in
+    order of preference. `compliance` (6×6, SI, leg
     axes) is the relative twist of both sides, less that of beams, under a wrench that the section
     there transmits. `beyond_stubs` (6×6) bounds what the length of the stubs leaves out.
     `first_moment` (3, in kg m, leg axes) is the first moment of the solid's mass about the point,
@@ -60,7 +63,7 @@ class Jump:
     cause: str
     position: float
     point: Array
-    stub: float
+    reaches: tuple[float, ...]
     compliance: Array
     beyond_stubs: Array
     first_moment: Array
@@ -99,15 +102,17 @@ def jumps(leg: LineLeg, divisions: int) -> list[Jump]:
         point, _ = leg.line.frames(np.array([place.position]))
         compliance = _lacking(leg, place, stub, divisions)
         beyond_stubs = np.zeros((6, 6))
+        reaches: tuple[float, ...] = 0.5 * stub, stub
         if not all(isinstance(section, Rectangle | Circle) for section in place.sections):
             stub = min(room, _WALLED_STUB * side)
+            reaches = (stub,)
             short, compliance = compliance, _lacking(leg, place, stub, divisions)
             # Distortion at least halves over two heights.
             is_long = stub >= _WALLED_STUB * side * (1.0 - TOGETHER)
             beyond_stubs = compliance - short if is_long else compliance
         moment = _first_moment(leg, place)
         described.append(
-            Jump(place.cause, place.position, point[0], stub, compliance, beyond_stubs, moment)
+            Jump(place.cause, place.position, point[0], reaches, compliance, beyond_stubs, moment)
         )
     return described
 
@@ -208,15 +213,16 @@ def tip_changes(leg: LineLeg, divisions: int) -> dict[str, Array]:
 def sections_with_jumps(sections: LineSections, leg: LineLeg, divisions: int) -> LineSections:
     """Sections along a leg with the compliance and the mass of its corners and steps.
 
-    Both are spread over the stubs of each corner or step. `divisions` is the number of elements
-    across the section.
+    Both are spread over the neighbourhood of each corner or step: in solid sections over half of
+    the stubs, in sections with walls, whose distortion reaches further, over the stubs. `divisions`
+    is the number of elements across the section.
     """
-    for jump in jumps(leg, divisions):
-        limits = (
-            max(0.0, jump.position - jump.stub),
-            min(leg.line.length, jump.position + jump.stub),
-        )
-        sections = sections.changed(limits, jump.point, jump.compliance, jump.first_moment)
+    return _with_jumps(sections, jumps(leg, divisions))
+
+
+def _with_jumps(sections: LineSections, added: Iterable[Jump]) -> LineSections:
+    for jump in added:
+        sections = sections.changed(jump.position, jump.reaches, jump.compliance, jump.first_moment)
     return sections
 
 
@@ -232,46 +238,34 @@ def _at_tip(leg: LineLeg, jump: Jump, compliance: Array) -> Array:
     return np.asarray(to_tip @ compliance @ to_tip.T)
 
 
-def frequency_changes(
-    leg: LineLeg, beam: LegMatrices, index: int, divisions: int
-) -> tuple[dict[str, float], float]:
-    """Relative change of frequency `index` (from 0) of the clamped `beam` due to corners and steps.
+def frequency_changes(leg: LineLeg, divisions: int, count: int) -> tuple[dict[str, Array], Array]:
+    """Relative changes (`count`) of a clamped leg's frequencies due to its corners and its steps.
 
-    By Rayleigh's quotient: the inertia forces of the mode beyond each corner or step strain it, and
-    the mass of a corner lies beside the line. The keys are those of `tip_changes`. The second
-    result is the half-width of the sum of all changes, due to the length of the stubs.
+    They are the changes of a beam's modes if first the corners and then the steps get their
+    compliance and their mass. Modes are paired by shape. The keys are those of `tip_changes`. The
+    second result is the half-width (`count`) of the sum of all changes, due to the length of the
+    stubs. `divisions` is the number of elements across the section.
     """
-    jumps_of_leg = jumps(leg, divisions)
-    if not jumps_of_leg:
-        return {}, 0.0
-    modes = clamped_modes(beam, index + 1)
-    sections = leg.sections("timoshenko")
-    edges = sections.edges(_ELEMENTS)
-    points, weights = gauss_points()
-    halves = 0.5 * np.diff(edges)
-    positions = (0.5 * (edges[1:] + edges[:-1])[:, None] + halves[:, None] * points).ravel()
-    field = sections.along(edges)
-    places, masses = field.points.reshape(-1, 3), field.mass.reshape(-1, 6, 6)
-    twists = (beam.centreline(positions) @ modes.shapes[:, index]).reshape(-1, 6)
-    momenta = np.einsum("nij,nj,n->ni", masses, twists, np.outer(halves, weights).ravel())
-    angular = (2.0 * np.pi * modes.frequencies[index]) ** 2
-    mass = float((momenta * twists).sum())
-    works: dict[str, float] = {}
-    masses_beside: dict[str, float] = {}
-    half_width = 0.0
-    for jump in jumps_of_leg:
-        beyond = positions > jump.position
-        levers = shift(places[beyond] - jump.point)
-        wrench = angular * np.einsum("nji,nj->i", levers, momenta[beyond])
-        work = float(wrench @ jump.compliance @ wrench) / (angular * mass)
-        at_jump = beam.centreline(np.array([jump.position])) @ modes.shapes[:, index]
-        translation, rotation = np.split(at_jump, 2)
-        moved = 2.0 * float(translation @ np.cross(rotation, jump.first_moment)) / mass
-        works[jump.cause] = works.get(jump.cause, 0.0) + work
-        masses_beside[jump.cause] = masses_beside.get(jump.cause, 0.0) + moved
-        half_width += 0.5 * abs(float(wrench @ jump.beyond_stubs @ wrench)) / (angular * mass)
-    changes = {
-        cause: float(((1.0 + work) * (1.0 + masses_beside[cause])) ** -0.5 - 1.0)
-        for cause, work in works.items()
-    }
-    return changes, half_width
+    found = jumps(leg, divisions)
+    if not found:
+        return {}, np.zeros(count)
+    sections = computed_along(leg, divisions)
+    beam_modes = line_modes(leg, line_beam(sections, ELEMENTS), count)
+
+    def frequencies(added: Sequence[Jump]) -> Array:
+        beam = line_beam(_with_jumps(sections, added), ELEMENTS)
+        modes = line_modes(leg, beam, count + _SPARE_MODES)
+        return np.asarray(modes.frequencies[pair_modes(beam_modes, modes).nearest])
+
+    added: list[Jump] = []
+    changes: dict[str, Array] = {}
+    before = beam_modes.frequencies
+    for cause in dict.fromkeys(jump.cause for jump in found):
+        added += [jump for jump in found if jump.cause == cause]
+        after = frequencies(added)
+        changes[cause] = (after - before) / beam_modes.frequencies
+        before = after
+    if not any(jump.beyond_stubs.any() for jump in found):
+        return changes, np.zeros(count)
+    short = [replace(jump, compliance=jump.compliance - jump.beyond_stubs) for jump in found]
+    return changes, np.abs(frequencies(short) - before) / beam_modes.frequencies

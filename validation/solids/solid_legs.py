@@ -258,18 +258,30 @@ def line_frequencies(
     They are those of the modes with the shapes of the first `count` modes of `beam`, and NaN if
     there is no such mode.
     """
+    stations, root = _line_samples(leg)
+    solid = solid_leg(leg, solid_mesh(leg, divisions))
+    twists = root @ section_twists(solid.mesh, stations)
+    target = line_modes(leg, beam, count)
+    frequencies, pairs = _paired_modes(target, clamped_leg(solid, ends), twists)
+    return np.where(pairs.partner >= 0, frequencies, np.nan)
+
+
+def line_modes(leg: LineLeg, beam: LegMatrices, count: int) -> SampledModes:
+    """First `count` modes of the `beam` of a leg along a line with its root clamped."""
+    stations, root = _line_samples(leg)
+    modes = clamped_modes(beam, count)
+    return sampled_modes(modes.frequencies, root @ (beam.centreline(stations) @ modes.shapes))
+
+
+def _line_samples(leg: LineLeg) -> tuple[Array, SparseMatrix]:
+    """Stations (m along the line) for samples of modes, and the root of the mass of all stations.
+
+    The root maps the twists of the sections at the stations to samples.
+    """
     stations, lengths = centreline_samples(leg.line.length, STATIONS)
     sections = leg.sections("timoshenko")
     masses = sections.at(sections.span_at(stations), stations).mass * lengths[:, None, None]
-    root = block_diag([*np.swapaxes(np.linalg.cholesky(masses), 1, 2)], format="csr")
-    beam_modes = clamped_modes(beam, count)
-    target = sampled_modes(
-        beam_modes.frequencies, root @ (beam.centreline(stations) @ beam_modes.shapes)
-    )
-    solid = solid_leg(leg, solid_mesh(leg, divisions))
-    twists = root @ section_twists(solid.mesh, stations)
-    frequencies, pairs = _paired_modes(target, clamped_leg(solid, ends), twists)
-    return np.where(pairs.partner >= 0, frequencies, np.nan)
+    return stations, block_diag([*np.swapaxes(np.linalg.cholesky(masses), 1, 2)], format="csr")
 
 
 def _paired_modes(
