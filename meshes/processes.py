@@ -114,7 +114,7 @@ class Process:
                 start_new_session=True,
             )
 
-    def ask(self, function: Callable[..., object], *arguments: object) -> None:
+    def request(self, function: Callable[..., object], *arguments: object) -> None:
         """Request the value of `function(*arguments)`.
 
         The function must be at the top level of a module.
@@ -187,7 +187,7 @@ def in_own_process(function: Callable[..., T], *arguments: object, patience: flo
     """
     process = Process()
     try:
-        process.ask(function, *arguments)
+        process.request(function, *arguments)
         answer: T = process.answer(patience)
     finally:
         process.end()

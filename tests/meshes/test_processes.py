@@ -25,7 +25,7 @@ def test_process_returns_values_and_errors():
     # The process has its own session, so that Ctrl-C or the end of a terminal does not reach it.
     questions = (divmod, 7, 2), (os.getsid, 0), (exec, REFUSED), (lookup_of_robot, 3)
     for question in questions:
-        process.ask(*question)
+        process.request(*question)
     assert process.answer() == (3, 1)
     assert process.answer() != os.getsid(0)
     with pytest.raises(InputError, match="one") as raised:
@@ -48,9 +48,9 @@ def test_process_keeps_value_for_later_calls():
     """A call may use the results of earlier calls of its process."""
     process = Process()
     process.begin(list, "ab")
-    process.ask(len)
+    process.request(len)
     process.begin(sorted)
-    process.ask(zip_lists)
+    process.request(zip_lists)
     assert [process.answer() for _ in range(4)] == [None, 2, None, [("a", "a"), ("b", "b")]]
     process.end()
 

@@ -159,7 +159,7 @@ def compute(call: Call, group: str, conditions: Conditions) -> Reply:
     try:
         if is_new:
             _begin(interpreter, conditions, is_needed)
-        interpreter.ask(call)
+        interpreter.request(call)
         answer = _next_answer(interpreter, is_needed)
     except (Crashed, DifferentProgram, Unable) as error:
         interpreter.process.end()
@@ -189,7 +189,7 @@ def _begin(interpreter: Interpreter, conditions: Conditions, is_needed: Callable
     try:
         _next_answer(interpreter, is_needed).result()
         if not conditions.content:
-            interpreter.ask(conditions)
+            interpreter.request(conditions)
             _next_answer(interpreter, is_needed).result()
     except (DifferentProgram, Unable):
         raise

@@ -81,15 +81,15 @@ class Interpreter:
         process = Process(log, {**(environment or {}), **_SINGLE_THREADED})
         interpreter = cls(process, log, _size(log))
         if begin is None:
-            process.ask(int)
+            process.request(int)
         else:
             process.begin(begin)
         return interpreter
 
-    def ask(self, call: Call) -> None:
+    def request(self, call: Call) -> None:
         """Request the result of a call."""
         self.log_from = _size(self.log)
-        self.process.ask(call)
+        self.process.request(call)
 
     def receive(self) -> CallAnswer:
         """Answer to the earliest request. Raises Crashed or OutOfMemoryCrash.
@@ -218,7 +218,7 @@ class Cores(ProcessExecutor):
                         continue
                     name, _ = worker.todo.popleft()
                     if worker.todo and not isinstance(answer, Crashed):
-                        worker.interpreter.ask(worker.todo[0][1])
+                        worker.interpreter.request(worker.todo[0][1])
                         started(worker.todo[0][0])
                     else:
                         del busy[worker.process.connection]
@@ -239,7 +239,7 @@ class Cores(ProcessExecutor):
             worker.todo = todo
         else:
             worker = _Worker(Interpreter.start(self.log, self.begin), todo)
-        worker.interpreter.ask(todo[0][1])
+        worker.interpreter.request(todo[0][1])
         return worker
 
     def _receive_answer(self, worker: _Worker) -> Any:
