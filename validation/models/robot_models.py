@@ -66,7 +66,8 @@ def answers(
 
     Frequencies exclude the zero frequencies of idle motions, which do not move the tool.
     `simplified` has at most `count` frequencies: as many as its rigid bodies have elastic motions.
-    Raises InputError for frequencies of a static model and for a leg that is not a serial chain
+    In postures with fewer of them than in others, the missing ones are infinite. Raises InputError
+    for frequencies of a static model and for a leg that is not a serial chain
     (vjm), and ComputationError if the tool is free to move.
     """
     if not postures:
@@ -85,9 +86,13 @@ def answers(
         return swept(static_assembly(model, postures, options), released(postures, options), 0)
     if model == "simplified":
         results = list(modes_on_drives(postures, count))
+        rows = [result.modes.frequencies for result in results]
+        longest = max(map(len, rows))
         return Swept(
             np.array([result.compliance for result in results]),
-            np.array([result.modes.frequencies for result in results]),
+            np.array(
+                [np.pad(row, (0, longest - len(row)), constant_values=np.inf) for row in rows]
+            ),
             tuple(result.idle for result in results),
         )
     postures = released(postures, options)
