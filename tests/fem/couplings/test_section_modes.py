@@ -90,7 +90,8 @@ def test_held_i_section_equals_vlasov():
     [
         (I_BEAM, "torsion", 6.4, -1.86),
         (CHANNEL, "torsion with bending y", 2.4, -4.0),
-        (CHANNEL, "tension with bending z", 2.4, -2.26),
+        # At 4.8 m the change is 6e-6, and its round-off 1e-6.
+        (CHANNEL, "tension with bending z", 1.2, -2.42),
     ],
 )
 def test_change_falls_with_power_of_slenderness(leg, name, length, exponent):
