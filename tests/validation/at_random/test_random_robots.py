@@ -231,7 +231,7 @@ SOLIDS = (*(f"leg{n}.{group}" for n in (1, 2) for group in ("solid", "modes")), 
 @pytest.mark.parametrize(
     ("groups", "count"),
     [
-        pytest.param(("mechanism.lumped",), 12, marks=pytest.mark.exhaustive),
+        pytest.param(("mechanism.lumped",), 6, marks=pytest.mark.exhaustive),
         pytest.param(SOLIDS, 2, marks=pytest.mark.soak),
     ],
 )
