@@ -188,7 +188,7 @@ def test_requested_accuracy_is_reached(arm):
             assert abs(entry.error - other.error) <= entry.uncertainty + 1e-9
 
 
-@pytest.mark.exhaustive
+@pytest.mark.soak
 def test_finer_mesh_decides_verdict(arm):
     """A limit between the bounds on two meshes: the finer mesh is used and decides."""
     entry = widest(judged_by(arm, "standard"))
