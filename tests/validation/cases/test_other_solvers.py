@@ -10,6 +10,7 @@ import pytest
 from scipy.linalg import eigh, solve
 from support.oracles.compliance_difference import scaled_difference
 from support.oracles.shifted_references import assert_agrees_and_can_disagree
+from support.robots.hook import HOOK_LEG, HOOK_POINTS
 from support.robots.paper_legs import STEEL
 from support.robots.robot_from_text import described, robot_of
 from support.robots.single_arm import ONE_ARM
@@ -181,32 +182,14 @@ def test_frame_on_plane_joint_equals_exudyn(propped):
     assert (np.abs(computed - theirs) < uncertain).all()
 
 
-# Straight, a tapering arc out of the plane, a corner, and a step, from A to P.
-HOOK = """
-schema = 2
-name = "hook"
-points.A = [0.1, 0.0, 0.0]
-points.K = [0.3, 0.1, 0.0]
-points.M = [0.5, 0.2, 0.15]
-points.Q = [0.55, 0.3, 0.3]
-points.P = [0.6, 0.0, 0.4]
-materials.steel = { E = 2.1e11, nu = 0.3, rho = 7850.0 }
+HOOK = (
+    HOOK_POINTS
+    + """
 tool = { body = "hook", point = "P", moves = [], mass = 2.0 }
 joints.foot = { type = "fixed", between = ["ground", "hook"], at = "A" }
-[bodies.hook]
-from = "A"
-to = "P"
-through = ["K", { arc = "M" }, "Q"]
-up = [0.2, -0.3, 1.0]
-material = "steel"
-sections = [
-  { at = "A", shape = "rectangle", width = 0.05, height = 0.06 },
-  { at = "K", shape = "rectangle", width = 0.05, height = 0.06 },
-  { at = "Q", shape = "rectangle", width = 0.03, height = 0.02 },
-  { at = "Q", shape = "circle", diameter = 0.03 },
-  { at = "P", shape = "circle", diameter = 0.03 },
-]
 """
+    + HOOK_LEG
+)
 
 
 # Two straight pieces whose section has constants alone: rigid in shear.

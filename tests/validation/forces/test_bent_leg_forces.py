@@ -4,6 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from support.robots.hook import HOOK_LEG, HOOK_POINTS
 from support.robots.robot_from_text import described
 
 from fem.bodies.solid import clamped_leg, solid_leg, solid_mesh
@@ -249,16 +250,9 @@ def test_frame_corner_has_forces_of_both_pieces():
     assert stress.along[corner[1] + 1] < bending
 
 
-# Straight, tapered along an arc out of the plane, a corner, and a step.
-HOOK = """
-schema = 2
-name = "hook"
-points.A = [0.1, 0.0, 0.0]
-points.K = [0.3, 0.1, 0.0]
-points.M = [0.5, 0.2, 0.15]
-points.Q = [0.55, 0.3, 0.3]
-points.P = [0.6, 0.0, 0.4]
-materials.steel = { E = 2.1e11, nu = 0.3, rho = 7850.0 }
+HOOK = (
+    HOOK_POINTS
+    + """
 tool = { body = "hook", point = "P", moves = ["y"], mass = 2.0 }
 [joints.turntable]
 type = "revolute"
@@ -270,20 +264,9 @@ drive = { stiffness = 4.0e5 }
 from = [0.0]
 to = [0.1]
 count = 2
-[bodies.hook]
-from = "A"
-to = "P"
-through = ["K", { arc = "M" }, "Q"]
-up = [0.2, -0.3, 1.0]
-material = "steel"
-sections = [
-  { at = "A", shape = "rectangle", width = 0.05, height = 0.06 },
-  { at = "K", shape = "rectangle", width = 0.05, height = 0.06 },
-  { at = "Q", shape = "rectangle", width = 0.03, height = 0.02 },
-  { at = "Q", shape = "circle", diameter = 0.03 },
-  { at = "P", shape = "circle", diameter = 0.03 },
-]
 """
+    + HOOK_LEG
+)
 
 
 @pytest.mark.parametrize("model", ["beam", "links"])
