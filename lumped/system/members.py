@@ -60,10 +60,9 @@ def member_forces(
     """Forces and moments in the sections of the `leg` with the name `name` under a load.
 
     The stations include the ends of loads along the leg, steps and corners of the leg, and the
-    positions at which a component has an extreme value. The loads along the leg
-    may not balance the wrenches on its ends exactly, if they are computed with another mass than
-    that of the model. The difference is then distributed linearly along the leg and added to the
-    half-width.
+    positions at which a component has an extreme value. The loads along the leg may not balance the
+    wrenches on its ends exactly, if they are computed with another mass than that of the model. The
+    difference is then distributed linearly along the leg and added to the half-width.
     """
     root, tip = posture.mechanism.bodies[name].interfaces
     line = centre_line(leg)

@@ -122,10 +122,9 @@ def export_mechanism(mechanism: Mechanism, preset: Preset, folder: Path) -> None
     """Write distinct legs, CAD parts, the mechanism as beams and a CalculiX deck to `folder`.
 
     The pose is the middle one of the path. A mechanism with CAD parts is not written as beams.
-    There is no deck if the mechanism has CAD parts or a leg that has no mesh
-    as a solid bar. Raises InputError if
-    a part cannot be meshed, ComputationError if a model cannot be solved, and OSError if a file
-    cannot be written.
+    There is no deck if the mechanism has CAD parts or a leg that has no mesh as a solid bar. Raises
+    InputError if a part cannot be meshed, ComputationError if a model cannot be solved, and OSError
+    if a file cannot be written.
     """
     middle = posture(mechanism, mechanism.poses[len(mechanism.poses) // 2])
     legs = [(leg, name) for name, leg, _ in sectioned_legs(mechanism, DEFAULT_OPTIONS)]

@@ -67,8 +67,8 @@ def answers(
     Frequencies exclude the zero frequencies of idle motions, which do not move the tool.
     `simplified` has at most `count` frequencies: as many as its rigid bodies have elastic motions.
     In postures with fewer of them than in others, the missing ones are infinite. Raises InputError
-    for frequencies of a static model and for a leg that is not a serial chain
-    (vjm), and ComputationError if the tool is free to move.
+    for frequencies of a static model and for a leg that is not a serial chain (vjm), and
+    ComputationError if the tool is free to move.
     """
     if not postures:
         return Swept(np.zeros((0, 6, 6)), np.zeros((0, count)), ())

@@ -53,11 +53,10 @@ class Jump:
     """Corner or step at `position` (m along the line) and `point` (3, in m, leg axes).
 
     `cause` is `CORNERS` or `STEPS`. `reaches` (m) are distances over which beams spread it, in
-    order of preference. `compliance` (6×6, SI, leg
-    axes) is the relative twist of both sides, less that of beams, under a wrench that the section
-    there transmits. `beyond_stubs` (6×6) bounds what the length of the stubs leaves out.
-    `first_moment` (3, in kg m, leg axes) is the first moment of the solid's mass about the point,
-    less that of the line.
+    order of preference. `compliance` (6×6, SI, leg axes) is the relative twist of both sides, less
+    that of beams, under a wrench that the section there transmits. `beyond_stubs` (6×6) bounds what
+    the length of the stubs leaves out. `first_moment` (3, in kg m, leg axes) is the first moment of
+    the solid's mass about the point, less that of the line.
     """
 
     cause: str
